@@ -1,0 +1,11 @@
+//! Motion planning for robot arms under torque limits: pure computation, no I/O, no clock, no threads.
+
+#![warn(missing_docs)]
+
+pub mod budget;
+pub mod error;
+pub mod plan;
+pub mod robot;
+
+pub use error::Invalid;
+pub use nalgebra;

@@ -1,0 +1,4 @@
+//! Plans: what is asked for, and the answers.
+
+pub mod outcome;
+pub mod request;

@@ -1,0 +1,3 @@
+//! Robot models.
+
+pub mod spec;

@@ -1,0 +1,189 @@
+//! The description of an arm as registered: passive data, readers write it, [`crate::robot::Robot`] checks it.
+
+use nalgebra::{Isometry3, Matrix3, Vector3};
+
+/// Standard gravity (CGPM 1901), m/s².
+pub const STANDARD_GRAVITY: f64 = 9.80665;
+
+/// A serial arm: its chain from base to tip, what bounds it, and what it carries.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RobotSpec {
+    /// The moving joints, in model order.
+    pub joints: Vec<JointSpec>,
+    /// Pose of the tip link's frame in the frame of the last moving joint's link.
+    pub link_from_tip: Isometry3<f64>,
+    /// Gravity in base-link axes, m/s².
+    pub gravity: Vector3<f64>,
+    /// What the tip link carries by default, in the tip link's frame.
+    pub payload: Inertial,
+    /// The default tool centre point, in the tip link's frame.
+    pub tcp: Isometry3<f64>,
+    /// Named frames, in base-link axes.
+    pub frames: Vec<(String, Isometry3<f64>)>,
+}
+
+/// One moving joint and the link that moves with it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointSpec {
+    /// Name of the joint.
+    pub name: String,
+    /// How the joint moves.
+    pub kind: JointKind,
+    /// Pose of the joint's frame at position 0, in the frame of the link before it (the base link's for the first).
+    pub parent_from_joint: Isometry3<f64>,
+    /// Axis of motion in the joint's frame: a unit vector.
+    pub axis: Vector3<f64>,
+    /// Everything that moves with the joint and before the next one, in the joint's frame.
+    pub link: Inertial,
+    /// Limits of the motion.
+    pub limits: Limits,
+    /// The drive.
+    pub drive: Drive,
+}
+
+/// How a joint moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JointKind {
+    /// Turns about its axis.
+    Revolute,
+    /// Turns about its axis, without position limits.
+    Continuous,
+    /// Slides along its axis.
+    Prismatic,
+}
+
+/// Mass distribution of a rigid body in some frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Inertial {
+    /// Mass, kg.
+    pub mass: f64,
+    /// Centre of mass, m.
+    pub center_of_mass: Vector3<f64>,
+    /// Rotational inertia about the centre of mass, kg m² (a symmetric tensor: products of inertia are negative).
+    pub inertia: Matrix3<f64>,
+}
+
+/// Limits of one joint, "rad or m" and time derivatives. `None` is unknown, or no limit.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Limits {
+    /// Lowest position.
+    pub position_lower: Option<f64>,
+    /// Highest position.
+    pub position_upper: Option<f64>,
+    /// Largest speed, either way.
+    pub velocity: Option<f64>,
+    /// Largest acceleration.
+    pub acceleration: Option<f64>,
+    /// Largest deceleration; `None`: the acceleration limit.
+    pub deceleration: Option<f64>,
+    /// Largest jerk.
+    pub jerk: Option<f64>,
+    /// Acceleration of the conventional pattern; `None`: derived.
+    pub preset_acceleration: Option<f64>,
+    /// Deceleration of the conventional pattern; `None`: the preset acceleration.
+    pub preset_deceleration: Option<f64>,
+}
+
+/// The drive of one joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drive {
+    /// Largest torque at the joint, either way, N m or N: rigid body + rotor + friction.
+    pub peak_torque: Option<f64>,
+    /// Torque at the joint that can be held for ever, N m or N.
+    pub rated_torque: Option<f64>,
+    /// Motor speed over joint speed; may be negative.
+    pub gear_ratio: f64,
+    /// Rotor inertia on the motor side, kg m².
+    pub rotor_inertia: f64,
+    /// Friction whose coefficients are stated on the motor side.
+    pub motor_friction: Friction,
+    /// Friction whose coefficients are stated on the joint side.
+    pub joint_friction: Friction,
+    /// Motor torque over motor current, N m/A.
+    pub torque_constant: Option<f64>,
+    /// Coefficients of the odd powers of the transmission's deformation, at the joint.
+    pub stiffness: Vec<f64>,
+    /// Damping of the transmission, at the joint.
+    pub damping: Option<f64>,
+}
+
+/// Friction on one side of the gear. The direction is always the joint's.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Friction {
+    /// Torque over speed on that side.
+    pub viscous: f64,
+    /// Magnitude of the Coulomb torque while the joint moves in its positive direction.
+    pub coulomb_positive: f64,
+    /// Magnitude of the Coulomb torque while the joint moves in its negative direction.
+    pub coulomb_negative: f64,
+}
+
+impl Inertial {
+    /// Nothing.
+    #[must_use]
+    pub fn zero() -> Self {
+        Self {
+            mass: 0.0,
+            center_of_mass: Vector3::zeros(),
+            inertia: Matrix3::zeros(),
+        }
+    }
+
+    /// The same body seen from another frame.
+    #[must_use]
+    pub fn seen_from(&self, other_from_body: &Isometry3<f64>) -> Self {
+        let rotation = other_from_body.rotation.to_rotation_matrix();
+        Self {
+            mass: self.mass,
+            center_of_mass: (other_from_body * nalgebra::Point3::from(self.center_of_mass)).coords,
+            inertia: rotation.matrix() * self.inertia * rotation.matrix().transpose(),
+        }
+    }
+
+    /// Two bodies in one frame, joined rigidly.
+    #[must_use]
+    pub fn joined(&self, other: &Self) -> Self {
+        let mass = self.mass + other.mass;
+        if mass == 0.0 {
+            return Self {
+                mass,
+                center_of_mass: Vector3::zeros(),
+                inertia: self.inertia + other.inertia,
+            };
+        }
+        let center = (self.center_of_mass * self.mass + other.center_of_mass * other.mass) / mass;
+        let about_center = |body: &Self| {
+            let r = body.center_of_mass - center;
+            body.inertia + (Matrix3::identity() * r.norm_squared() - r * r.transpose()) * body.mass
+        };
+        Self {
+            mass,
+            center_of_mass: center,
+            inertia: about_center(self) + about_center(other),
+        }
+    }
+}
+
+impl Default for Drive {
+    fn default() -> Self {
+        Self {
+            peak_torque: None,
+            rated_torque: None,
+            gear_ratio: 1.0,
+            rotor_inertia: 0.0,
+            motor_friction: Friction::default(),
+            joint_friction: Friction::default(),
+            torque_constant: None,
+            stiffness: Vec::new(),
+            damping: None,
+        }
+    }
+}
+
+impl Friction {
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_zero(&self) -> bool {
+        *self == Self::default()
+    }
+}

@@ -1,0 +1,18 @@
+//! The wire schema of Takt, and the only conversions between it and the domain of [`takt_motion`].
+
+/// Generated messages, clients and servers of the package `takt.v1`, with the canonical JSON of the messages.
+#[allow(
+    missing_docs,
+    unreachable_pub,
+    clippy::all,
+    clippy::restriction,
+    clippy::pedantic,
+    clippy::nursery
+)]
+pub mod v1 {
+    tonic::include_proto!("takt.v1");
+    include!(concat!(env!("OUT_DIR"), "/takt.v1.serde.rs"));
+}
+
+/// The encoded `FileDescriptorSet` of the schema, with comments: for reflection and the OpenAPI document.
+pub const DESCRIPTOR: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/descriptor.bin"));
