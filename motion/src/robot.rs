@@ -1,3 +1,4 @@
 //! Robot models.
 
+pub mod description;
 pub mod spec;
