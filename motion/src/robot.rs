@@ -10,3 +10,4 @@ pub mod resolve;
 pub(crate) mod rotation;
 pub mod spec;
 pub mod urdf;
+pub mod urdf_writer;
