@@ -229,8 +229,7 @@ fn check_pose(path: &str, pose: &Isometry3<f64>, findings: &mut Findings) {
         &LENGTH,
     );
     let norm = pose.rotation.quaternion().norm();
-    // Not `>`: a NaN must not pass.
-    if !((norm - 1.0).abs() <= QUATERNION_ROUNDING) {
+    if norm.is_nan() || (norm - 1.0).abs() > QUATERNION_ROUNDING {
         findings.error(
             format!("{path}.orientation"),
             format!("a norm of {norm:?} must be 1 within {QUATERNION_ROUNDING:?}"),

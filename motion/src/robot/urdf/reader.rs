@@ -156,7 +156,8 @@ fn joint<'a>(node: Node<'a, '_>, lines: &'a Lines, findings: &mut Findings) -> O
     let kind = kind?;
     let parent_from_joint = element.origin(findings);
     let axis = axis(&element, kind, findings);
-    let (limits, effort) = limit::read(&element, kind, findings);
+    let mut oddities = Vec::new();
+    let (limits, effort) = limit::read(&element, kind, &mut oddities, findings);
     let dynamics = dynamics(&element, findings);
     let mimic = mimic(&element, kind, findings);
     Some(Joint {
@@ -171,6 +172,7 @@ fn joint<'a>(node: Node<'a, '_>, lines: &'a Lines, findings: &mut Findings) -> O
         effort,
         dynamics,
         mimic,
+        oddities,
     })
 }
 

@@ -49,6 +49,9 @@ impl<'a> Tree<'a> {
             joint_above[child] = Some(index);
             joints_below[parent].push(index);
         }
+        if findings.has_errors() {
+            return None;
+        }
         let root = root(model, &joint_above, findings)?;
         let tree = Self {
             link_of,
@@ -58,9 +61,6 @@ impl<'a> Tree<'a> {
             ends,
             root,
         };
-        if findings.has_errors() {
-            return None;
-        }
         tree.check_reach(model, findings);
         (!findings.has_errors()).then_some(tree)
     }
@@ -176,7 +176,7 @@ fn root(
         findings.error(
             "urdf",
             format!(
-                "the tree must have one root, but no joint has as its child: {}",
+                "the tree must have one root, but these links are the child of no joint: {}",
                 listed(std::iter::once(model.links[root].name).chain(others))
             ),
         );
