@@ -74,7 +74,8 @@ impl Arm {
     /// Joint names and limits, and everything below.
     pub(crate) fn check(&self) {
         self.check_joints();
-        self.check_states(&Isometry3::identity());
+        self.check_poses();
+        self.check_dynamics(TOLERANCE);
     }
 
     fn check_joints(&self) {
@@ -103,19 +104,16 @@ impl Arm {
         }
     }
 
-    /// Poses, mass matrices, gravity torques; `tip_from_oracle_tip` where the description ends in another frame.
-    pub(crate) fn check_states(&self, tip_from_oracle_tip: &Isometry3<f64>) {
-        let states = self.oracle["states"]
-            .as_array()
-            .expect("an oracle has states");
-        assert!(!states.is_empty());
-        for state in states {
-            let posed = Posed::at(&self.resolved.spec, &numbers(&state["q"]));
-            let tip = posed.tip * tip_from_oracle_tip;
+    /// The tip at every state.
+    fn check_poses(&self) {
+        for state in self.states() {
+            let tip = Posed::at(&self.resolved.spec, &numbers(&state["q"])).tip;
+            let position = tip.translation.vector;
             check_close(
                 "tip position",
-                tip.translation.vector.as_slice(),
+                position.as_slice(),
                 &numbers(&state["tip_position"]),
+                TOLERANCE,
             );
             let rotation = tip.rotation.to_rotation_matrix();
             let rows = rotation.matrix().transpose();
@@ -123,23 +121,40 @@ impl Arm {
                 "tip rotation",
                 rows.as_slice(),
                 &numbers(&state["tip_rotation"]),
+                TOLERANCE,
             );
+        }
+    }
+
+    /// Mass matrices and gravity torques, which together determine every torque of a rigid-body chain.
+    pub(crate) fn check_dynamics(&self, tolerance: f64) {
+        for state in self.states() {
+            let posed = Posed::at(&self.resolved.spec, &numbers(&state["q"]));
             let mass_matrix = [&state["mass_matrix"], &state["mass_matrix_rigid"]];
-            let mass_matrix = mass_matrix
-                .iter()
-                .find(|matrix| !matrix.is_null())
-                .expect("a mass matrix");
+            let mass_matrix = mass_matrix.into_iter().find(|matrix| !matrix.is_null());
+            let mass_matrix = numbers(mass_matrix.expect("a state has a mass matrix"));
             check_close(
                 "mass matrix",
                 posed.mass_matrix().as_slice(),
-                &numbers(mass_matrix),
+                &mass_matrix,
+                tolerance,
             );
+            let gravity_torque = numbers(&state["tau_gravity"]);
             check_close(
                 "gravity torque",
                 posed.gravity_torque().as_slice(),
-                &numbers(&state["tau_gravity"]),
+                &gravity_torque,
+                tolerance,
             );
         }
+    }
+
+    fn states(&self) -> &[Value] {
+        let states = self.oracle["states"]
+            .as_array()
+            .expect("an oracle has states");
+        assert!(!states.is_empty());
+        states
     }
 }
 
@@ -242,7 +257,7 @@ pub(crate) fn numbers(value: &Value) -> Vec<f64> {
     }
 }
 
-fn check_close(what: &str, actual: &[f64], expected: &[f64]) {
+fn check_close(what: &str, actual: &[f64], expected: &[f64], tolerance: f64) {
     assert_eq!(actual.len(), expected.len(), "{what}");
     let scale = expected
         .iter()
@@ -250,7 +265,7 @@ fn check_close(what: &str, actual: &[f64], expected: &[f64]) {
     for (actual_entry, expected_entry) in actual.iter().zip(expected) {
         let difference = (actual_entry - expected_entry).abs() / scale;
         assert!(
-            difference <= TOLERANCE,
+            difference <= tolerance,
             "{what}: off by {difference:e}\n{actual:?}\n{expected:?}"
         );
     }
