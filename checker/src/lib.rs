@@ -9,7 +9,8 @@
 //! - [`motion`]: a pattern as the motion of one joint over time, and whether its figures agree with each other.
 //! - [`bounds`]: the limits that a request puts in force.
 //! - [`recheck`](mod@recheck): a whole move on a dense grid of times, both sides of every switching time included.
-//! - [`draw`]: random numbers for tests.
+//! - [`endpoint`]: the end-pose method of JP4358979B2 written a second time, to measure what it lets through.
+//! - [`statistics`], [`draw`]: distributions of excesses, and the random numbers behind them.
 //!
 //! SI units throughout: rad, m, s, kg, N m, N. A joint's position is "rad or m", and so are its derivatives; its torque
 //! is "N m or N".
@@ -19,8 +20,10 @@
 pub mod arm;
 pub mod bounds;
 pub mod draw;
+pub mod endpoint;
 pub mod motion;
 pub mod recheck;
+pub mod statistics;
 pub mod tolerance;
 
 pub use arm::{Arm, Workspace};
