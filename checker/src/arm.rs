@@ -99,11 +99,7 @@ impl Arm {
             .map(|joint| Joint {
                 slides: joint.kind == JointKind::Prismatic,
                 offset: joint.parent_from_joint.translation.vector,
-                axes: joint
-                    .parent_from_joint
-                    .rotation
-                    .to_rotation_matrix()
-                    .into_inner(),
+                axes: joint.parent_from_joint.rotation.to_rotation_matrix().into_inner(),
                 axis: joint.axis,
                 link: Body {
                     mass: joint.link.mass,
@@ -129,14 +125,7 @@ impl Arm {
     /// Writes the rigid-body torque of every joint, N m or N: links and payload, no rotors, no friction.
     ///
     /// All slices are in model order, one entry a joint.
-    pub fn rigid_torque(
-        &self,
-        workspace: &mut Workspace,
-        q: &[f64],
-        qd: &[f64],
-        qdd: &[f64],
-        tau: &mut [f64],
-    ) {
+    pub fn rigid_torque(&self, workspace: &mut Workspace, q: &[f64], qd: &[f64], qdd: &[f64], tau: &mut [f64]) {
         self.move_links(workspace, q, qd, qdd);
         let mut force = Vector3::zeros();
         let mut moment = Vector3::zeros();
@@ -170,9 +159,7 @@ impl Arm {
         tau: &mut [f64],
     ) {
         self.rigid_torque(workspace, q, qd, qdd, tau);
-        for ((((joint, qd), qdd), direction), tau) in
-            self.joints.iter().zip(qd).zip(qdd).zip(direction).zip(tau)
-        {
+        for ((((joint, qd), qdd), direction), tau) in self.joints.iter().zip(qd).zip(qdd).zip(direction).zip(tau) {
             *tau += joint.drive.rotor_inertia * qdd + joint.drive.friction(*qd, *direction);
         }
     }
@@ -198,8 +185,7 @@ impl Arm {
         self.bodies(workspace)
             .map(|(body, motion)| {
                 let spin = motion.axes.tr_mul(&motion.angular_velocity);
-                let velocity =
-                    motion.velocity + motion.angular_velocity.cross(&(motion.axes * body.center));
+                let velocity = motion.velocity + motion.angular_velocity.cross(&(motion.axes * body.center));
                 0.5 * (body.mass * velocity.norm_squared() + spin.dot(&(body.inertia * spin)))
             })
             .sum()
@@ -210,20 +196,12 @@ impl Arm {
         // Of the links' motion only where they are counts here: any rates will do.
         self.move_links(workspace, q, q, q);
         self.bodies(workspace)
-            .map(|(body, motion)| {
-                -body.mass
-                    * self
-                        .gravity
-                        .dot(&(motion.origin + motion.axes * body.center))
-            })
+            .map(|(body, motion)| -body.mass * self.gravity.dot(&(motion.origin + motion.axes * body.center)))
             .sum()
     }
 
     /// Every body with the motion of the link that carries it.
-    fn bodies<'a>(
-        &'a self,
-        workspace: &'a Workspace,
-    ) -> impl Iterator<Item = (Body, &'a LinkMotion)> {
+    fn bodies<'a>(&'a self, workspace: &'a Workspace) -> impl Iterator<Item = (Body, &'a LinkMotion)> {
         let links = self.joints.iter().map(|joint| joint.link);
         let tip = self.payload.into_iter().zip(workspace.links.last());
         links.zip(&workspace.links).chain(tip)
@@ -259,9 +237,7 @@ impl Joint {
             angular_velocity: spin,
             angular_acceleration: before.angular_acceleration,
             velocity: before.velocity + spin.cross(&arm),
-            acceleration: before.acceleration
-                + before.angular_acceleration.cross(&arm)
-                + spin.cross(&spin.cross(&arm)),
+            acceleration: before.acceleration + before.angular_acceleration.cross(&arm) + spin.cross(&spin.cross(&arm)),
         };
         if self.slides {
             moved.velocity += axis * qd;
@@ -278,9 +254,7 @@ impl Joint {
 /// The rotation by `angle` about the unit vector `axis` (Rodrigues).
 fn turn(axis: &Vector3<f64>, angle: f64) -> Matrix3<f64> {
     let (sin, cos) = angle.sin_cos();
-    Matrix3::from_diagonal_element(cos)
-        + axis.cross_matrix() * sin
-        + axis * axis.transpose() * (1.0 - cos)
+    Matrix3::from_diagonal_element(cos) + axis.cross_matrix() * sin + axis * axis.transpose() * (1.0 - cos)
 }
 
 struct Load {
@@ -295,11 +269,7 @@ impl Body {
         if payload.mass == 0.0 && payload.inertia == Matrix3::zeros() {
             return None;
         }
-        let axes = spec
-            .link_from_tip
-            .rotation
-            .to_rotation_matrix()
-            .into_inner();
+        let axes = spec.link_from_tip.rotation.to_rotation_matrix().into_inner();
         Some(Self {
             mass: payload.mass,
             center: spec.link_from_tip.translation.vector + axes * payload.center_of_mass,
@@ -312,12 +282,10 @@ impl Body {
         let spin = motion.angular_velocity;
         let turning = motion.angular_acceleration;
         let arm = motion.axes * self.center;
-        let acceleration =
-            motion.acceleration + turning.cross(&arm) + spin.cross(&spin.cross(&arm));
+        let acceleration = motion.acceleration + turning.cross(&arm) + spin.cross(&spin.cross(&arm));
         let force = (acceleration - gravity) * self.mass;
         // The inertia in base axes, applied from the left without forming the product of three matrices.
-        let inertia_times =
-            |vector: &Vector3<f64>| motion.axes * (self.inertia * motion.axes.tr_mul(vector));
+        let inertia_times = |vector: &Vector3<f64>| motion.axes * (self.inertia * motion.axes.tr_mul(vector));
         let moment = inertia_times(&turning) + spin.cross(&inertia_times(&spin));
         Load {
             force,
@@ -344,9 +312,7 @@ impl LinkMotion {
 impl DriveLaw {
     fn of(drive: &Drive) -> Self {
         let ratio = drive.gear_ratio;
-        let sum = |of: fn(&Friction) -> f64, gain: f64| {
-            of(&drive.motor_friction) * gain + of(&drive.joint_friction)
-        };
+        let sum = |of: fn(&Friction) -> f64, gain: f64| of(&drive.motor_friction) * gain + of(&drive.joint_friction);
         Self {
             rotor_inertia: drive.rotor_inertia * ratio * ratio,
             viscous: sum(|side| side.viscous, ratio * ratio),

@@ -35,11 +35,7 @@ impl Bounds {
     #[must_use]
     pub fn of_request(spec: &RobotSpec, request: &MoveRequest) -> Vec<Self> {
         let asked = request.target_velocity.as_deref().unwrap_or(&[]);
-        let speeds = asked
-            .iter()
-            .copied()
-            .map(Some)
-            .chain(std::iter::repeat(None));
+        let speeds = asked.iter().copied().map(Some).chain(std::iter::repeat(None));
         spec.joints
             .iter()
             .zip(speeds)
@@ -49,8 +45,7 @@ impl Bounds {
                 for own in request.limits.iter().filter(|own| own.joint == joint.name) {
                     bounds.tighten(own);
                 }
-                bounds.velocity =
-                    smaller(bounds.velocity, speed).map(|speed| speed * request.speed_scale);
+                bounds.velocity = smaller(bounds.velocity, speed).map(|speed| speed * request.speed_scale);
                 bounds.completed()
             })
             .collect()

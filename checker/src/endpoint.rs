@@ -8,7 +8,7 @@ use takt_motion::robot::spec::RobotSpec;
 
 use crate::arm::{Arm, Workspace};
 use crate::bounds::Bounds;
-use crate::draw::Draw;
+use crate::draw::{self, Draw};
 use crate::statistics::quantile;
 
 /// What the method starts from, one entry a joint, all magnitudes.
@@ -52,12 +52,7 @@ pub struct NoAcceleration {
 }
 
 /// The trapezoid or triangle of one joint over the way `distance ≥ 0` (eq 41 to 51), all magnitudes.
-fn first_calculation(
-    distance: f64,
-    velocity: f64,
-    acceleration: f64,
-    deceleration: f64,
-) -> Pattern {
+fn first_calculation(distance: f64, velocity: f64, acceleration: f64, deceleration: f64) -> Pattern {
     if distance == 0.0 {
         return Pattern::default();
     }
@@ -119,10 +114,11 @@ fn time_of(pattern: &Pattern) -> f64 {
 }
 
 fn longest(patterns: &[Pattern]) -> (usize, f64) {
-    patterns.iter().map(time_of).enumerate().fold(
-        (0, 0.0),
-        |most, own| if own.1 > most.1 { own } else { most },
-    )
+    patterns
+        .iter()
+        .map(time_of)
+        .enumerate()
+        .fold((0, 0.0), |most, own| if own.1 > most.1 { own } else { most })
 }
 
 fn signed(pattern: &Pattern, sign: f64) -> Pattern {
@@ -149,11 +145,7 @@ pub fn plan(
     target: &[f64],
     preferred: Fallback,
 ) -> Result<EndpointMove, NoAcceleration> {
-    let signs: Vec<f64> = start
-        .iter()
-        .zip(target)
-        .map(|(s, e)| (e - s).signum())
-        .collect();
+    let signs: Vec<f64> = start.iter().zip(target).map(|(s, e)| (e - s).signum()).collect();
     // S2, S3
     let own: Vec<Pattern> = (0..start.len())
         .map(|joint| {
@@ -166,10 +158,7 @@ pub fn plan(
         })
         .collect();
     let (slowest, preset_duration) = longest(&own);
-    let together: Vec<Pattern> = own
-        .iter()
-        .map(|one| drawn_out(one, preset_duration))
-        .collect();
+    let together: Vec<Pattern> = own.iter().map(|one| drawn_out(one, preset_duration)).collect();
     // S4, S5
     let velocity: Vec<f64> = (0..start.len())
         .map(|joint| together[joint].peak_velocity * signs[joint])
@@ -214,23 +203,16 @@ pub fn plan(
 }
 
 /// Steps S6 to S10: everyone in the time of joint `base`, or of whoever is slower than that.
-fn synchronize(
-    fastest: &[Pattern],
-    velocity: &[f64],
-    base: usize,
-    preferred: Fallback,
-) -> (Vec<Pattern>, Fallback) {
+fn synchronize(fastest: &[Pattern], velocity: &[f64], base: usize, preferred: Fallback) -> (Vec<Pattern>, Fallback) {
     let in_time_of = |base: usize| -> Vec<Option<Pattern>> {
         let duration = time_of(&fastest[base]);
         fastest
             .iter()
             .enumerate()
-            .map(
-                |(joint, one)| match joint == base || one.displacement == 0.0 {
-                    true => Some(*one),
-                    false => second_calculation(one, duration, velocity[joint]),
-                },
-            )
+            .map(|(joint, one)| match joint == base || one.displacement == 0.0 {
+                true => Some(*one),
+                false => second_calculation(one, duration, velocity[joint]),
+            })
             .collect()
     };
     let first = in_time_of(base);
@@ -302,19 +284,9 @@ fn largest_factor(
 /// Preset accelerations along the joint speeds, safe in all but the tightest hundredth of `pose_count` random poses: k
 /// times the speeds, k = min over joints of (limit − |gravity| − friction at full speed) / Σ |M| speeds; poses that
 /// cannot be held are left out. `None` where a joint has no speed limit, or no pose can be held.
-///
-/// Positions without limits are drawn from one turn either way.
 #[must_use]
-pub fn derive_preset(
-    spec: &RobotSpec,
-    arm: &Arm,
-    bounds: &[Bounds],
-    pose_count: usize,
-) -> Option<Preset> {
-    let velocity: Vec<f64> = bounds
-        .iter()
-        .map(|one| one.velocity)
-        .collect::<Option<_>>()?;
+pub fn derive_preset(spec: &RobotSpec, arm: &Arm, bounds: &[Bounds], pose_count: usize) -> Option<Preset> {
+    let velocity: Vec<f64> = bounds.iter().map(|one| one.velocity).collect::<Option<_>>()?;
     let joint_count = velocity.len();
     let mut draw = Draw::seeded(1);
     let mut workspace = Workspace::default();
@@ -328,7 +300,7 @@ pub fn derive_preset(
     arm.friction_torque(&backwards, &mut friction[1]);
     let mut factors = Vec::new();
     for _ in 0..pose_count {
-        let q = draw_pose(&mut draw, spec);
+        let q = draw::pose_within(&mut draw, spec);
         arm.rigid_torque(&mut workspace, &q, &still, &still, &mut gravity);
         let mut swept = vec![0.0; joint_count];
         for joint in 0..joint_count {
@@ -358,17 +330,4 @@ pub fn derive_preset(
         deceleration: acceleration.clone(),
         acceleration,
     })
-}
-
-/// A random pose within the position limits; a position without limits within one turn (or metre) either way.
-pub fn draw_pose(draw: &mut Draw, spec: &RobotSpec) -> Vec<f64> {
-    spec.joints
-        .iter()
-        .map(|joint| {
-            let free = std::f64::consts::TAU;
-            let low = joint.limits.position_lower.unwrap_or(-free);
-            let high = joint.limits.position_upper.unwrap_or(free);
-            draw.between(low, high)
-        })
-        .collect()
 }

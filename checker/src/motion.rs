@@ -127,12 +127,7 @@ pub fn travel(pattern: &Pattern) -> f64 {
 
 /// Calls `found` for every relation within one pattern that does not hold to `tolerance`, and whether all joints end
 /// together after `common_duration`, s.
-pub fn examine(
-    pattern: &Pattern,
-    common_duration: f64,
-    tolerance: f64,
-    mut found: impl FnMut(Relation, f64),
-) {
+pub fn examine(pattern: &Pattern, common_duration: f64, tolerance: f64, mut found: impl FnMut(Relation, f64)) {
     let rates = [
         pattern.displacement,
         pattern.peak_velocity,
@@ -188,11 +183,7 @@ pub fn examine(
         pattern.displacement,
         pattern.peak_velocity * (pattern.cruise_time + ramps),
     );
-    compare(
-        Relation::Displacement,
-        pattern.displacement,
-        travel(pattern),
-    );
+    compare(Relation::Displacement, pattern.displacement, travel(pattern));
     compare(Relation::EndTogether, common_duration, duration(pattern));
 }
 

@@ -168,18 +168,9 @@ impl Checker {
     ///
     /// # Errors
     /// [`LengthMismatch`] where a list has not one entry a joint.
-    pub fn check(
-        &mut self,
-        bounds: &[Bounds],
-        planned: &Move<'_>,
-        grid: Grid,
-    ) -> Result<Report, LengthMismatch> {
+    pub fn check(&mut self, bounds: &[Bounds], planned: &Move<'_>, grid: Grid) -> Result<Report, LengthMismatch> {
         self.check_lengths(bounds, planned)?;
-        let duration = planned
-            .patterns
-            .iter()
-            .map(motion::duration)
-            .fold(0.0, f64::max);
+        let duration = planned.patterns.iter().map(motion::duration).fold(0.0, f64::max);
         let mut report = Report {
             duration,
             sample_count: 0,
@@ -190,12 +181,7 @@ impl Checker {
                 .collect(),
             inconsistencies: inconsistencies(planned, duration),
         };
-        let unusable = |found: &Inconsistency| {
-            matches!(
-                found.relation,
-                Relation::Finite | Relation::TimesNotNegative
-            )
-        };
+        let unusable = |found: &Inconsistency| matches!(found.relation, Relation::Finite | Relation::TimesNotNegative);
         if !report.inconsistencies.iter().any(unusable) {
             self.hold(planned, 0.0, &mut report);
             self.sweep(planned, duration, grid, &mut report);
@@ -259,8 +245,7 @@ impl Checker {
         }
         self.switchings.sort_by(f64::total_cmp);
         let closest = tolerance::SWITCHING * duration;
-        self.switchings
-            .dedup_by(|later, earlier| *later - *earlier <= closest);
+        self.switchings.dedup_by(|later, earlier| *later - *earlier <= closest);
     }
 
     /// Looks at one state of the motion, every joint by the law of its part in force.
@@ -286,11 +271,7 @@ impl Checker {
     fn hold(&mut self, planned: &Move<'_>, time: f64, report: &mut Report) {
         let sample = &mut self.sample;
         for (joint, pattern) in planned.patterns.iter().enumerate() {
-            let travelled = if time > 0.0 {
-                motion::travel(pattern)
-            } else {
-                0.0
-            };
+            let travelled = if time > 0.0 { motion::travel(pattern) } else { 0.0 };
             sample.q[joint] = planned.start[joint] + travelled;
         }
         for list in [&mut sample.qd, &mut sample.qdd, &mut sample.direction] {
@@ -365,8 +346,7 @@ impl Report {
     /// Whether the move is sound and no limit is exceeded by more than `tolerance`, relative.
     #[must_use]
     pub fn holds(&self, tolerance: f64) -> bool {
-        self.inconsistencies.is_empty()
-            && self.worst().is_none_or(|worst| worst.excess <= tolerance)
+        self.inconsistencies.is_empty() && self.worst().is_none_or(|worst| worst.excess <= tolerance)
     }
 
     /// The largest excess of all limits; `None` where there is no limit.
@@ -386,17 +366,14 @@ impl Report {
             .iter()
             .enumerate()
             .flat_map(|(joint, report)| {
-                report
-                    .extremes()
-                    .into_iter()
-                    .filter_map(move |(kind, extreme)| {
-                        extreme.excess.map(|excess| Worst {
-                            kind,
-                            joint,
-                            extreme,
-                            excess,
-                        })
+                report.extremes().into_iter().filter_map(move |(kind, extreme)| {
+                    extreme.excess.map(|excess| Worst {
+                        kind,
+                        joint,
+                        extreme,
+                        excess,
                     })
+                })
             })
             .filter(|worst| wanted(worst.kind))
             .max_by(|one, other| one.excess.total_cmp(&other.excess))
@@ -446,29 +423,17 @@ impl JointReport {
             &mut self.acceleration,
             &mut self.deceleration,
         ] {
-            extreme.excess = extreme
-                .limit
-                .map(|limit| relative_excess(extreme.value.abs(), limit));
+            extreme.excess = extreme.limit.map(|limit| relative_excess(extreme.value.abs(), limit));
         }
         let range = match (bounds.position_lower, bounds.position_upper) {
             (Some(lower), Some(upper)) if upper > lower => upper - lower,
             _ => 1.0,
         };
         let beyond = |way: f64| {
-            if way.is_nan() {
-                f64::INFINITY
-            } else {
-                way / range
-            }
+            if way.is_nan() { f64::INFINITY } else { way / range }
         };
-        self.lowest.excess = self
-            .lowest
-            .limit
-            .map(|limit| beyond(limit - self.lowest.value));
-        self.highest.excess = self
-            .highest
-            .limit
-            .map(|limit| beyond(self.highest.value - limit));
+        self.lowest.excess = self.lowest.limit.map(|limit| beyond(limit - self.lowest.value));
+        self.highest.excess = self.highest.limit.map(|limit| beyond(self.highest.value - limit));
     }
 }
 
@@ -485,11 +450,7 @@ fn relative_excess(magnitude: f64, limit: f64) -> f64 {
 // Once a value is not a number it stays the extreme: no comparison may lose it.
 impl Extreme {
     fn offer(&mut self, value: f64, time: f64) {
-        self.take_if(
-            value.is_nan() || value.abs() > self.value.abs(),
-            value,
-            time,
-        );
+        self.take_if(value.is_nan() || value.abs() > self.value.abs(), value, time);
     }
 
     fn offer_lower(&mut self, value: f64, time: f64) {

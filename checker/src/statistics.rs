@@ -19,11 +19,7 @@ impl ExcessStatistics {
     /// The statistics of signed relative excesses, one a move; those above `threshold` count as over.
     #[must_use]
     pub fn of(excesses: &[f64], threshold: f64) -> Self {
-        let mut over: Vec<f64> = excesses
-            .iter()
-            .copied()
-            .filter(|excess| *excess > threshold)
-            .collect();
+        let mut over: Vec<f64> = excesses.iter().copied().filter(|excess| *excess > threshold).collect();
         over.sort_by(f64::total_cmp);
         Self {
             count: excesses.len(),
@@ -79,9 +75,6 @@ mod tests {
     #[test]
     fn no_moves_have_no_excess() {
         let found = ExcessStatistics::of(&[], 0.0);
-        assert_eq!(
-            (found.share_over, found.median, found.largest),
-            (0.0, 0.0, 0.0)
-        );
+        assert_eq!((found.share_over, found.median, found.largest), (0.0, 0.0, 0.0));
     }
 }

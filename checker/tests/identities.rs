@@ -2,12 +2,10 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
-use takt_checker::draw::Draw;
+use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
+use takt_checker::draw::{self, Draw};
 use takt_checker::{Arm, Workspace};
-use takt_motion::robot::spec::{
-    Drive, Friction, Inertial, JointKind, JointSpec, Limits, RobotSpec,
-};
+use takt_motion::robot::spec::{Drive, Friction, Inertial, JointKind, JointSpec, Limits, RobotSpec};
 
 const G: f64 = 9.81;
 
@@ -49,66 +47,13 @@ fn torque(spec: &RobotSpec, q: &[f64], qd: &[f64], qdd: &[f64]) -> Vec<f64> {
 }
 
 fn assert_close(found: &[f64], expected: &[f64], tolerance: f64) {
-    let largest = expected
-        .iter()
-        .fold(1e-6, |most: f64, value| most.max(value.abs()));
+    let largest = expected.iter().fold(1e-6, |most: f64, value| most.max(value.abs()));
     for (found, expected) in found.iter().zip(expected) {
         assert!(
             (found - expected).abs() <= tolerance * largest,
             "{found} found, {expected} expected"
         );
     }
-}
-
-/// An arm of `count` joints of both kinds, anywhere, with bodies of any principal inertia in any axes, and a payload.
-fn draw_arm(draw: &mut Draw, count: usize) -> RobotSpec {
-    let vector = |draw: &mut Draw, reach: f64| Vector3::from_fn(|_, _| draw.between(-reach, reach));
-    let rotation = |draw: &mut Draw| Rotation3::from_scaled_axis(vector(draw, PI));
-    let inertial = |draw: &mut Draw| {
-        let axes = rotation(draw);
-        let spread = Vector3::from_fn(|_, _| draw.between(0.01, 0.2));
-        let principal = Vector3::new(
-            spread.y + spread.z,
-            spread.z + spread.x,
-            spread.x + spread.y,
-        );
-        Inertial {
-            mass: draw.between(0.5, 5.0),
-            center_of_mass: vector(draw, 0.3),
-            inertia: axes * Matrix3::from_diagonal(&principal) * axes.transpose(),
-        }
-    };
-    let pose = |draw: &mut Draw| {
-        Isometry3::from_parts(
-            Translation3::from(vector(draw, 0.5)),
-            UnitQuaternion::from_rotation_matrix(&rotation(draw)),
-        )
-    };
-    let joints = (0..count)
-        .map(|index| JointSpec {
-            name: format!("joint_{index}"),
-            kind: if draw.bits().is_multiple_of(3) {
-                JointKind::Prismatic
-            } else {
-                JointKind::Revolute
-            },
-            parent_from_joint: pose(draw),
-            axis: vector(draw, 1.0).normalize(),
-            link: inertial(draw),
-            limits: Limits::default(),
-            drive: Drive::default(),
-        })
-        .collect();
-    RobotSpec {
-        link_from_tip: pose(draw),
-        gravity: vector(draw, G),
-        payload: inertial(draw),
-        ..arm(joints)
-    }
-}
-
-fn draw_state(draw: &mut Draw, count: usize, reach: f64) -> Vec<f64> {
-    (0..count).map(|_| draw.between(-reach, reach)).collect()
 }
 
 #[test]
@@ -134,12 +79,7 @@ fn two_link_planar_arm_has_its_closed_form() {
     let (l1, l2, m1, m2) = (0.5, 0.35, 3.0, 1.7);
     let up = [0.0, -1.0, 0.0];
     let spec = arm(vec![
-        joint(
-            JointKind::Revolute,
-            [0.0; 3],
-            up,
-            body(m1, [l1, 0.0, 0.0], [0.0; 3]),
-        ),
+        joint(JointKind::Revolute, [0.0; 3], up, body(m1, [l1, 0.0, 0.0], [0.0; 3])),
         joint(
             JointKind::Revolute,
             [l1, 0.0, 0.0],
@@ -150,9 +90,9 @@ fn two_link_planar_arm_has_its_closed_form() {
     let mut draw = Draw::seeded(2);
     for _ in 0..100 {
         let (q, qd, qdd) = (
-            draw_state(&mut draw, 2, 3.0),
-            draw_state(&mut draw, 2, 5.0),
-            draw_state(&mut draw, 2, 20.0),
+            draw::values(&mut draw, 2, 3.0),
+            draw::values(&mut draw, 2, 5.0),
+            draw::values(&mut draw, 2, 20.0),
         );
         let (s2, c1, c2, c12) = (q[1].sin(), q[0].cos(), q[1].cos(), (q[0] + q[1]).cos());
         let second = m2 * l2 * l2 * (qdd[0] + qdd[1])
@@ -180,31 +120,17 @@ fn lift_carries_everything_beyond_it() {
             up,
             body(4.0, [0.3, 0.1, 0.0], [0.1; 3]),
         ),
-        joint(
-            JointKind::Prismatic,
-            [0.0, 0.2, 0.1],
-            up,
-            body(1.5, [0.0; 3], [0.2; 3]),
-        ),
+        joint(JointKind::Prismatic, [0.0, 0.2, 0.1], up, body(1.5, [0.0; 3], [0.2; 3])),
     ]);
     spec.payload = body(0.5, [0.0, 0.0, 0.2], [0.01; 3]);
     let tau = torque(&spec, &[0.4, 0.1], &[1.0, -2.0], &[0.5, 0.25]);
-    assert_close(
-        &tau,
-        &[4.0 * (G + 0.5) + 2.0 * (G + 0.75), 2.0 * (G + 0.75)],
-        1e-14,
-    );
+    assert_close(&tau, &[4.0 * (G + 0.5) + 2.0 * (G + 0.75), 2.0 * (G + 0.75)], 1e-14);
 }
 
 #[test]
 fn mass_that_slides_outward_on_a_turntable_feels_centrifugal_and_coriolis_force() {
     let spec = arm(vec![
-        joint(
-            JointKind::Revolute,
-            [0.0; 3],
-            [0.0, 0.0, 1.0],
-            Inertial::zero(),
-        ),
+        joint(JointKind::Revolute, [0.0; 3], [0.0, 0.0, 1.0], Inertial::zero()),
         joint(
             JointKind::Prismatic,
             [0.0; 3],
@@ -214,41 +140,32 @@ fn mass_that_slides_outward_on_a_turntable_feels_centrifugal_and_coriolis_force(
     ]);
     let (r, spin, speed) = (0.6, 3.0, 1.2);
     let tau = torque(&spec, &[0.9, r], &[spin, speed], &[0.0, 0.0]);
-    assert_close(
-        &tau,
-        &[2.0 * 2.0 * r * speed * spin, -2.0 * r * spin * spin],
-        1e-14,
-    );
+    assert_close(&tau, &[2.0 * 2.0 * r * speed * spin, -2.0 * r * spin * spin], 1e-14);
 }
 
 #[test]
 fn power_becomes_energy() {
     let mut draw = Draw::seeded(3);
     for count in [1, 2, 3, 6, 7, 9] {
-        let spec = draw_arm(&mut draw, count);
+        let spec = draw::arm(&mut draw, count);
         let arm = Arm::new(&spec, None);
         let mut workspace = Workspace::default();
-        let q = draw_state(&mut draw, count, 2.0);
-        let qd = draw_state(&mut draw, count, 2.0);
-        let qdd = draw_state(&mut draw, count, 5.0);
+        let q = draw::values(&mut draw, count, 2.0);
+        let qd = draw::values(&mut draw, count, 2.0);
+        let qdd = draw::values(&mut draw, count, 5.0);
         let mut energy_after = |time: f64| {
             let at: Vec<f64> = (0..count)
                 .map(|i| q[i] + qd[i] * time + 0.5 * qdd[i] * time * time)
                 .collect();
             let rate: Vec<f64> = (0..count).map(|i| qd[i] + qdd[i] * time).collect();
-            arm.kinetic_energy(&mut workspace, &at, &rate)
-                + arm.potential_energy(&mut workspace, &at)
+            arm.kinetic_energy(&mut workspace, &at, &rate) + arm.potential_energy(&mut workspace, &at)
         };
         // A difference of fourth order over ±h, ±2h.
         let h = 1e-3;
         let near = energy_after(h) - energy_after(-h);
         let far = energy_after(2.0 * h) - energy_after(-2.0 * h);
         let gain = (8.0 * near - far) / (12.0 * h);
-        let power: f64 = torque(&spec, &q, &qd, &qdd)
-            .iter()
-            .zip(&qd)
-            .map(|(t, v)| t * v)
-            .sum();
+        let power: f64 = torque(&spec, &q, &qd, &qdd).iter().zip(&qd).map(|(t, v)| t * v).sum();
         assert_close(&[power], &[gain], 1e-7);
     }
 }
@@ -258,12 +175,12 @@ fn every_torque_is_lagranges() {
     // τ = d/dt ∂T/∂q̇ − ∂T/∂q + ∂U/∂q, each derivative as a difference: coarse, but it sees every joint by itself.
     let mut draw = Draw::seeded(4);
     for count in [2, 4, 7] {
-        let spec = draw_arm(&mut draw, count);
+        let spec = draw::arm(&mut draw, count);
         let arm = Arm::new(&spec, None);
         let mut workspace = Workspace::default();
-        let q = draw_state(&mut draw, count, 2.0);
-        let qd = draw_state(&mut draw, count, 1.0);
-        let qdd = draw_state(&mut draw, count, 3.0);
+        let q = draw::values(&mut draw, count, 2.0);
+        let qd = draw::values(&mut draw, count, 1.0);
+        let qdd = draw::values(&mut draw, count, 3.0);
         let shifted = |of: &[f64], joint: usize, by: f64| {
             let mut moved = of.to_vec();
             moved[joint] += by;
@@ -278,15 +195,13 @@ fn every_torque_is_lagranges() {
                         .map(|i| q[i] + qd[i] * time + 0.5 * qdd[i] * time * time)
                         .collect();
                     let rate: Vec<f64> = (0..count).map(|i| qd[i] + qdd[i] * time).collect();
-                    let mut energy =
-                        |by| arm.kinetic_energy(&mut workspace, &at, &shifted(&rate, joint, by));
+                    let mut energy = |by| arm.kinetic_energy(&mut workspace, &at, &shifted(&rate, joint, by));
                     0.5 * (energy(1.0) - energy(-1.0))
                 };
                 let change = (momentum(h) - momentum(-h)) / (2.0 * h);
                 let mut lagrangian = |by: f64| {
                     let at = shifted(&q, joint, by);
-                    arm.kinetic_energy(&mut workspace, &at, &qd)
-                        - arm.potential_energy(&mut workspace, &at)
+                    arm.kinetic_energy(&mut workspace, &at, &qd) - arm.potential_energy(&mut workspace, &at)
                 };
                 change - (lagrangian(h) - lagrangian(-h)) / (2.0 * h)
             })
@@ -299,9 +214,9 @@ fn every_torque_is_lagranges() {
 fn mass_matrix_is_symmetric_and_positive() {
     let mut draw = Draw::seeded(5);
     for count in [2, 5, 7] {
-        let mut spec = draw_arm(&mut draw, count);
+        let mut spec = draw::arm(&mut draw, count);
         spec.gravity = Vector3::zeros();
-        let q = draw_state(&mut draw, count, 3.0);
+        let q = draw::values(&mut draw, count, 3.0);
         let still = vec![0.0; count];
         let columns: Vec<Vec<f64>> = (0..count)
             .map(|column| {
@@ -320,15 +235,14 @@ fn mass_matrix_is_symmetric_and_positive() {
                 assert!((entry - columns[column][row]).abs() < 1e-13 * largest);
             }
         }
-        let direction = draw_state(&mut draw, count, 1.0);
+        let direction = draw::values(&mut draw, count, 1.0);
         let energy = 0.5
             * torque(&spec, &q, &still, &direction)
                 .iter()
                 .zip(&direction)
                 .map(|(t, v)| t * v)
                 .sum::<f64>();
-        let kinetic =
-            Arm::new(&spec, None).kinetic_energy(&mut Workspace::default(), &q, &direction);
+        let kinetic = Arm::new(&spec, None).kinetic_energy(&mut Workspace::default(), &q, &direction);
         assert_close(&[energy], &[kinetic], 1e-13);
     }
 }
@@ -336,23 +250,18 @@ fn mass_matrix_is_symmetric_and_positive() {
 #[test]
 fn turning_the_whole_arm_with_gravity_changes_nothing() {
     let mut draw = Draw::seeded(6);
-    let spec = draw_arm(&mut draw, 6);
+    let spec = draw::arm(&mut draw, 6);
     let (q, qd, qdd) = (
-        draw_state(&mut draw, 6, 3.0),
-        draw_state(&mut draw, 6, 2.0),
-        draw_state(&mut draw, 6, 5.0),
+        draw::values(&mut draw, 6, 3.0),
+        draw::values(&mut draw, 6, 2.0),
+        draw::values(&mut draw, 6, 5.0),
     );
     let turned_by = UnitQuaternion::from_scaled_axis(Vector3::new(0.4, -1.1, 2.0));
     let mut turned = spec.clone();
     turned.gravity = turned_by * spec.gravity;
     turned.joints[0].parent_from_joint =
-        Isometry3::from_parts(Translation3::new(3.0, -2.0, 1.0), turned_by)
-            * spec.joints[0].parent_from_joint;
-    assert_close(
-        &torque(&turned, &q, &qd, &qdd),
-        &torque(&spec, &q, &qd, &qdd),
-        1e-12,
-    );
+        Isometry3::from_parts(Translation3::new(3.0, -2.0, 1.0), turned_by) * spec.joints[0].parent_from_joint;
+    assert_close(&torque(&turned, &q, &qd, &qdd), &torque(&spec, &q, &qd, &qdd), 1e-12);
 }
 
 #[test]
@@ -382,14 +291,7 @@ fn drive_adds_rotor_and_friction_at_the_joint() {
     let mut workspace = Workspace::default();
     let mut drive = |qd: f64, qdd: f64, direction: f64| {
         let mut tau = [0.0];
-        arm.drive_torque(
-            &mut workspace,
-            &[0.2],
-            &[qd],
-            &[qdd],
-            &[direction],
-            &mut tau,
-        );
+        arm.drive_torque(&mut workspace, &[0.2], &[qd], &[qdd], &[direction], &mut tau);
         tau[0]
     };
     let inertia = 0.3 + 2500.0 * 2e-4;

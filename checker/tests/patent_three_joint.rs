@@ -10,6 +10,8 @@
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use takt_checker::draw::Draw;
 use takt_checker::{Arm, Workspace};
+use takt_motion::dynamics;
+use takt_motion::robot::Robot;
 use takt_motion::robot::spec::{Drive, Inertial, JointKind, JointSpec, Limits, RobotSpec};
 
 /// Largest difference over the largest entry: roundings alone.
@@ -95,16 +97,11 @@ impl Parameters {
         let t23 = t2 + t3;
         // eq 10
         let h11 = mx1.powi(2) * m1
-            + (2.0 * a1 * mx2 * t2.cos()
-                + 0.5 * mx2.powi(2) * (1.0 + (2.0 * t2).cos())
-                + a1.powi(2)
-                + mz2.powi(2))
+            + (2.0 * a1 * mx2 * t2.cos() + 0.5 * mx2.powi(2) * (1.0 + (2.0 * t2).cos()) + a1.powi(2) + mz2.powi(2))
                 * m2
             + (a1.powi(2)
                 + 2.0 * (t2.cos() * a2 - my3 * t23.sin() + mx3 * t23.cos()) * a1
-                + (-my3 * ((2.0 * t2 + t3).sin() + t3.sin())
-                    + mx3 * ((2.0 * t2 + t3).cos() + t3.cos()))
-                    * a2
+                + (-my3 * ((2.0 * t2 + t3).sin() + t3.sin()) + mx3 * ((2.0 * t2 + t3).cos() + t3.cos())) * a2
                 - mx3 * my3 * (2.0 * t3 + 2.0 * t2).sin()
                 + 0.5 * a2.powi(2) * (1.0 + (2.0 * t2).cos())
                 - 0.5 * my3.powi(2) * ((2.0 * t3 + 2.0 * t2).cos() - 1.0)
@@ -121,11 +118,7 @@ impl Parameters {
         let h13 = 0.0;
         // eq 14, 15
         let h22 = m2 * mx2.powi(2)
-            + (a2.powi(2)
-                + 2.0 * (mx3 * t3.cos() - my3 * t3.sin()) * a2
-                + my3.powi(2)
-                + mx3.powi(2))
-                * m3
+            + (a2.powi(2) + 2.0 * (mx3 * t3.cos() - my3 * t3.sin()) * a2 + my3.powi(2) + mx3.powi(2)) * m3
             + iz3
             + iz2;
         let h23 = ((mx3 * t3.cos() - my3 * t3.sin()) * a2 + my3.powi(2) + mx3.powi(2)) * m3 + iz3;
@@ -174,8 +167,7 @@ impl Parameters {
             - 2.0 * ixy3 * twice.cos())
             * d2
             + (m3
-                * (-2.0 * a1 * (my3 * t23.cos() + mx3 * t23.sin())
-                    - 2.0 * my3 * mx3 * twice.cos()
+                * (-2.0 * a1 * (my3 * t23.cos() + mx3 * t23.sin()) - 2.0 * my3 * mx3 * twice.cos()
                     + (my3.powi(2) - mx3.powi(2)) * twice.sin()
                     - a2 * (mx3 * (elbow.sin() + t3.sin()) + my3 * (elbow.cos() + t3.cos())))
                 - 2.0 * ixy3 * twice.cos()
@@ -230,8 +222,7 @@ impl Parameters {
         let (plus, minus) = (t1 + t2, -t1 + t2);
         let (all, all_minus) = (t1 + t2 + t3, -t1 + t2 + t3);
         // eq 24
-        let g11 = -t1.sin() * mx1 * m1
-            + (t1.cos() * mz2 - t1.sin() * a1 - 0.5 * mx2 * (plus.sin() - minus.sin())) * m2
+        let g11 = -t1.sin() * mx1 * m1 + (t1.cos() * mz2 - t1.sin() * a1 - 0.5 * mx2 * (plus.sin() - minus.sin())) * m2
             - t1.sin() * a1 * m3
             - 0.5
                 * m3
@@ -250,29 +241,21 @@ impl Parameters {
         // eq 26
         let g13 = 0.0;
         // eq 27
-        let g31 =
-            0.5 * m3 * (mx3 * (-all_minus.sin() - all.sin()) - my3 * (all_minus.cos() + all.cos()));
+        let g31 = 0.5 * m3 * (mx3 * (-all_minus.sin() - all.sin()) - my3 * (all_minus.cos() + all.cos()));
         // eq 28
-        let g32 =
-            0.5 * m3 * (mx3 * (all.cos() - all_minus.cos()) - my3 * (-all_minus.sin() + all.sin()));
+        let g32 = 0.5 * m3 * (mx3 * (all.cos() - all_minus.cos()) - my3 * (-all_minus.sin() + all.sin()));
         // eq 29
         let g33 = m3 * (-my3 * (t2 + t3).sin() + mx3 * (t2 + t3).cos());
         // eq 30
         let g21 = 0.5 * mx2 * m2 * (-plus.sin() - minus.sin())
             + 0.5 * m3 * a2 * (-plus.sin() - minus.sin())
-            + 0.5
-                * m3
-                * (mx3 * (-all_minus.sin() - all.sin()) - my3 * (all_minus.cos() + all.cos()));
+            + 0.5 * m3 * (mx3 * (-all_minus.sin() - all.sin()) - my3 * (all_minus.cos() + all.cos()));
         // eq 31
         let g22 = 0.5 * mx2 * m2 * (-minus.cos() + plus.cos())
             + 0.5 * m3 * a2 * (-minus.cos() + plus.cos())
-            + 0.5
-                * m3
-                * (mx3 * (all.cos() - all_minus.cos()) - my3 * (-all_minus.sin() + all.sin()));
+            + 0.5 * m3 * (mx3 * (all.cos() - all_minus.cos()) - my3 * (-all_minus.sin() + all.sin()));
         // eq 32
-        let g23 = m2 * mx2 * t2.cos()
-            + t2.cos() * m3 * a2
-            + m3 * (-my3 * (t2 + t3).sin() + mx3 * (t2 + t3).cos());
+        let g23 = m2 * mx2 * t2.cos() + t2.cos() * m3 * a2 + m3 * (-my3 * (t2 + t3).sin() + mx3 * (t2 + t3).cos());
         Matrix3::new(g11, g12, g13, g21, g22, g23, g31, g32, g33)
     }
 
@@ -327,8 +310,11 @@ impl Parameters {
     }
 }
 
-/// Rigid-body torque of an arm at (q, q̇, q̈), by whichever code is on trial.
-type Torque<'a> = &'a mut dyn FnMut(&RobotSpec, [f64; 3], [f64; 3], [f64; 3]) -> [f64; 3];
+/// Rigid-body torque at (q, q̇, q̈) of one arm.
+type Torque = Box<dyn FnMut([f64; 3], [f64; 3], [f64; 3]) -> [f64; 3]>;
+
+/// The code on trial: makes such a torque of a description.
+type Dynamics = fn(&RobotSpec) -> Torque;
 
 const NONE: [f64; 3] = [0.0; 3];
 const POSES: usize = 500;
@@ -338,9 +324,7 @@ fn draw_three(draw: &mut Draw, reach: f64) -> [f64; 3] {
 }
 
 fn assert_agree(found: &[f64], printed: &[f64], what: &str) {
-    let largest = printed
-        .iter()
-        .fold(1e-6, |most: f64, value| most.max(value.abs()));
+    let largest = printed.iter().fold(1e-6, |most: f64, value| most.max(value.abs()));
     for (index, (found, printed)) in found.iter().zip(printed).enumerate() {
         let difference = (found - printed).abs() / largest;
         assert!(
@@ -351,8 +335,8 @@ fn assert_agree(found: &[f64], printed: &[f64], what: &str) {
 }
 
 /// Columns of H, by unit accelerations of the arm at rest without gravity.
-fn check_inertia_matrix(torque: Torque<'_>) {
-    let spec = ARM.described(Vector3::zeros());
+fn check_inertia_matrix(dynamics: Dynamics) {
+    let mut torque = dynamics(&ARM.described(Vector3::zeros()));
     let mut draw = Draw::seeded(9);
     for _ in 0..POSES {
         let theta = draw_three(&mut draw, 4.0);
@@ -360,7 +344,7 @@ fn check_inertia_matrix(torque: Torque<'_>) {
         for column in 0..3 {
             let mut unit = NONE;
             unit[column] = 1.0;
-            found.set_column(column, &torque(&spec, theta, NONE, unit).into());
+            found.set_column(column, &torque(theta, NONE, unit).into());
         }
         let printed = ARM.inertia_matrix(theta);
         assert_agree(found.as_slice(), printed.as_slice(), "H");
@@ -368,36 +352,36 @@ fn check_inertia_matrix(torque: Torque<'_>) {
 }
 
 /// C, at constant velocity without gravity.
-fn check_velocity_torque(torque: Torque<'_>) {
-    let spec = ARM.described(Vector3::zeros());
+fn check_velocity_torque(dynamics: Dynamics) {
+    let mut torque = dynamics(&ARM.described(Vector3::zeros()));
     let mut draw = Draw::seeded(19);
     for _ in 0..POSES {
         let theta = draw_three(&mut draw, 4.0);
         let rate = draw_three(&mut draw, 3.0);
         let printed = ARM.velocity_torque(theta, rate);
-        assert_agree(&torque(&spec, theta, rate, NONE), &printed, "C");
+        assert_agree(&torque(theta, rate, NONE), &printed, "C");
     }
 }
 
 /// Columns of G, by gravity along each axis on the arm at rest.
-fn check_gravity_matrix(torque: Torque<'_>) {
+fn check_gravity_matrix(dynamics: Dynamics) {
     let mut draw = Draw::seeded(23);
-    let along: [RobotSpec; 3] =
-        std::array::from_fn(|axis| ARM.described(Matrix3::identity().column(axis).into_owned()));
+    let mut along: [Torque; 3] =
+        std::array::from_fn(|axis| dynamics(&ARM.described(Matrix3::identity().column(axis).into_owned())));
     for _ in 0..POSES {
         let theta = draw_three(&mut draw, 4.0);
         let mut found = Matrix3::zeros();
-        for (column, spec) in along.iter().enumerate() {
-            found.set_column(column, &torque(spec, theta, NONE, NONE).into());
+        for (column, torque) in along.iter_mut().enumerate() {
+            found.set_column(column, &torque(theta, NONE, NONE).into());
         }
         assert_agree(found.as_slice(), ARM.gravity_matrix(theta).as_slice(), "G");
     }
 }
 
 /// Eq 1 as a whole, with g = [0, 0, +9.8].
-fn check_sum(torque: Torque<'_>) {
+fn check_sum(dynamics: Dynamics) {
     let upwards = Vector3::new(0.0, 0.0, 9.8);
-    let spec = ARM.described(upwards);
+    let mut torque = dynamics(&ARM.described(upwards));
     let mut draw = Draw::seeded(1);
     for _ in 0..POSES {
         let theta = draw_three(&mut draw, 4.0);
@@ -406,44 +390,93 @@ fn check_sum(torque: Torque<'_>) {
         let printed = ARM.inertia_matrix(theta) * Vector3::from(second)
             + Vector3::from(ARM.velocity_torque(theta, rate))
             + ARM.gravity_matrix(theta) * upwards;
-        assert_agree(&torque(&spec, theta, rate, second), printed.as_slice(), "T");
+        assert_agree(&torque(theta, rate, second), printed.as_slice(), "T");
     }
 }
 
-fn checker_torque(spec: &RobotSpec, q: [f64; 3], qd: [f64; 3], qdd: [f64; 3]) -> [f64; 3] {
-    let mut tau = NONE;
-    Arm::new(spec, None).rigid_torque(&mut Workspace::default(), &q, &qd, &qdd, &mut tau);
-    tau
+fn checker(spec: &RobotSpec) -> Torque {
+    let arm = Arm::new(spec, None);
+    let mut workspace = Workspace::default();
+    Box::new(move |q, qd, qdd| {
+        let mut tau = NONE;
+        arm.rigid_torque(&mut workspace, &q, &qd, &qdd, &mut tau);
+        tau
+    })
+}
+
+fn planner(spec: &RobotSpec) -> Torque {
+    let robot = Robot::new(spec.clone(), Vec::new()).expect("the arm is sound");
+    let mut workspace = dynamics::Workspace::new(&robot);
+    Box::new(move |q, qd, qdd| {
+        let mut tau = NONE;
+        dynamics::rigid_torque(&robot, &mut workspace, &q, &qd, &qdd, &mut tau);
+        tau
+    })
 }
 
 #[test]
 fn checker_has_the_printed_inertia_matrix() {
-    check_inertia_matrix(&mut checker_torque);
+    check_inertia_matrix(checker);
 }
 
 #[test]
 fn checker_has_the_printed_velocity_torque() {
-    check_velocity_torque(&mut checker_torque);
+    check_velocity_torque(checker);
 }
 
 #[test]
 fn checker_has_the_printed_gravity_matrix() {
-    check_gravity_matrix(&mut checker_torque);
+    check_gravity_matrix(checker);
 }
 
 #[test]
 fn checker_has_the_printed_sum() {
-    check_sum(&mut checker_torque);
+    check_sum(checker);
+}
+
+#[test]
+fn planner_has_the_printed_inertia_matrix() {
+    check_inertia_matrix(planner);
+    let robot = Robot::new(ARM.described(Vector3::zeros()), Vec::new()).expect("the arm is sound");
+    let mut workspace = dynamics::Workspace::new(&robot);
+    let mut draw = Draw::seeded(56);
+    for _ in 0..POSES {
+        let theta = draw_three(&mut draw, 4.0);
+        let mut found = [0.0; 9];
+        dynamics::mass_matrix(&robot, &mut workspace, &theta, &mut found);
+        assert_agree(&found, ARM.inertia_matrix(theta).as_slice(), "mass matrix");
+    }
+}
+
+#[test]
+fn planner_has_the_printed_velocity_torque() {
+    check_velocity_torque(planner);
+}
+
+#[test]
+fn planner_has_the_printed_gravity_matrix() {
+    check_gravity_matrix(planner);
+    let upwards = Vector3::new(0.0, 0.0, 9.8);
+    let robot = Robot::new(ARM.described(upwards), Vec::new()).expect("the arm is sound");
+    let mut workspace = dynamics::Workspace::new(&robot);
+    let mut draw = Draw::seeded(33);
+    for _ in 0..POSES {
+        let theta = draw_three(&mut draw, 4.0);
+        let mut found = NONE;
+        dynamics::gravity_torque(&robot, &mut workspace, &theta, &mut found);
+        let printed = ARM.gravity_matrix(theta) * upwards;
+        assert_agree(&found, printed.as_slice(), "gravity torque");
+    }
+}
+
+#[test]
+fn planner_has_the_printed_sum() {
+    check_sum(planner);
 }
 
 #[test]
 fn a_raised_arm_is_held_from_below() {
-    let tau = checker_torque(
-        &ARM.described(Vector3::new(0.0, 0.0, 9.8)),
-        NONE,
-        NONE,
-        NONE,
-    );
+    let tau = checker(&ARM.described(Vector3::new(0.0, 0.0, 9.8)))(NONE, NONE, NONE);
     assert!(tau[1] > 0.0, "level arm: joint 2 lifts with {} N m", tau[1]);
 }
 
@@ -451,11 +484,11 @@ fn a_raised_arm_is_held_from_below() {
 fn the_sign_of_the_product_of_inertia_matters() {
     let theta = [0.3, 0.4, 0.5];
     let mut spec = ARM.described(Vector3::zeros());
-    let right = checker_torque(&spec, theta, NONE, [1.0, 0.0, 0.0])[0];
+    let right = checker(&spec)(theta, NONE, [1.0, 0.0, 0.0])[0];
     for entry in [(0, 1), (1, 0)] {
         spec.joints[2].link.inertia[entry] = ARM.ixy3;
     }
-    let wrong = checker_torque(&spec, theta, NONE, [1.0, 0.0, 0.0])[0];
+    let wrong = checker(&spec)(theta, NONE, [1.0, 0.0, 0.0])[0];
     let expected = 2.0 * ARM.ixy3 * (2.0_f64 * 0.9).sin();
     assert!((wrong - right - expected).abs() < 1e-13);
 }

@@ -6,9 +6,7 @@ use takt_checker::recheck::LengthMismatch;
 use takt_checker::{Bounds, Grid, Move, Report, recheck};
 use takt_motion::plan::outcome::{LimitKind, Pattern};
 use takt_motion::plan::request::{LimitOverride, Method, MoveRequest, Sampling};
-use takt_motion::robot::spec::{
-    Drive, Friction, Inertial, JointKind, JointSpec, Limits, RobotSpec,
-};
+use takt_motion::robot::spec::{Drive, Friction, Inertial, JointKind, JointSpec, Limits, RobotSpec};
 
 /// A lift of 10 kg over a lift of 2 kg, in a world where things weigh 10 N a kilogramme, the lower one with friction.
 fn two_lifts() -> RobotSpec {
@@ -85,14 +83,7 @@ fn report_on(spec: &RobotSpec, patterns: &[Pattern], target: &[f64]) -> Report {
         target,
         patterns,
     };
-    recheck(
-        spec,
-        None,
-        &Bounds::of_robot(spec),
-        &planned,
-        Grid::default(),
-    )
-    .expect("one entry a joint")
+    recheck(spec, None, &Bounds::of_robot(spec), &planned, Grid::default()).expect("one entry a joint")
 }
 
 fn check(change: impl FnOnce(&mut RobotSpec, &mut [Pattern; 2])) -> Report {
@@ -105,10 +96,7 @@ fn check(change: impl FnOnce(&mut RobotSpec, &mut [Pattern; 2])) -> Report {
 fn check_relation(relation: Relation, change: impl FnOnce(&mut [Pattern; 2])) {
     let report = check(|_, patterns| change(patterns));
     assert!(
-        report
-            .inconsistencies
-            .iter()
-            .any(|found| found.relation == relation),
+        report.inconsistencies.iter().any(|found| found.relation == relation),
         "{relation:?} not among {:?}",
         report.inconsistencies
     );
@@ -118,11 +106,7 @@ fn check_relation(relation: Relation, change: impl FnOnce(&mut [Pattern; 2])) {
 fn check_excess(report: &Report, kind: LimitKind, joint: usize, time: f64, excess: f64) {
     let worst = report.worst().expect("the arm has limits");
     assert_eq!((worst.kind, worst.joint), (kind, joint));
-    assert!(
-        (worst.extreme.time - time).abs() < 1e-9,
-        "at {} s",
-        worst.extreme.time
-    );
+    assert!((worst.extreme.time - time).abs() < 1e-9, "at {} s", worst.extreme.time);
     assert!((worst.excess - excess).abs() < 1e-9, "by {}", worst.excess);
     assert!(!report.holds(0.0) || excess <= 0.0);
 }
@@ -141,10 +125,7 @@ fn torque_peaks_on_the_near_side_of_a_switching_time() {
     // Lower lift at 0.25 s, still accelerating: 12 kg × 10 + (10 + 2)·4 − 2·2 + 6·1 + 5.
     let report = check(|_, _| ());
     let torque = report.joints[0].torque;
-    assert!(
-        (torque.value - (120.0 + 44.0 + 6.0 + 5.0)).abs() < 1e-9,
-        "{torque:?}"
-    );
+    assert!((torque.value - (120.0 + 44.0 + 6.0 + 5.0)).abs() < 1e-9, "{torque:?}");
     assert!((torque.time - 0.25).abs() < 1e-9);
     assert!((torque.excess.unwrap() - (175.0 / 200.0 - 1.0)).abs() < 1e-9);
 }
@@ -161,11 +142,7 @@ fn torque_peaks_on_the_far_side_of_a_switching_time() {
         cruise_time: 0.25,
         deceleration_time: 0.25,
     };
-    let report = report_on(
-        &two_lifts(),
-        &[Pattern::default(), braking],
-        &[0.25, 0.5625],
-    );
+    let report = report_on(&two_lifts(), &[Pattern::default(), braking], &[0.25, 0.5625]);
     assert_eq!(report.inconsistencies, []);
     let torque = report.joints[1].torque;
     assert_eq!((torque.value, torque.time), (24.0, 1.25));
@@ -179,10 +156,7 @@ fn friction_acts_from_the_first_moment_to_the_last_and_not_at_rest() {
         spec.joints[0].drive.joint_friction.coulomb_positive = 500.0;
     });
     let torque = report.joints[0].torque;
-    assert!(
-        (torque.value - (120.0 + 44.0 + 500.0)).abs() < 1e-9,
-        "{torque:?}"
-    );
+    assert!((torque.value - (120.0 + 44.0 + 500.0)).abs() < 1e-9, "{torque:?}");
     // Still at 0 s: Coulomb friction at the start has the sign of the motion just after.
     assert_eq!(torque.time, 0.0);
 }
@@ -227,12 +201,8 @@ fn every_kind_of_limit_is_found_exceeded() {
 
 #[test]
 fn every_relation_is_found_broken() {
-    check_relation(Relation::Finite, |patterns| {
-        patterns[0].cruise_time = f64::NAN
-    });
-    check_relation(Relation::TimesNotNegative, |patterns| {
-        patterns[0].cruise_time = -0.1
-    });
+    check_relation(Relation::Finite, |patterns| patterns[0].cruise_time = f64::NAN);
+    check_relation(Relation::TimesNotNegative, |patterns| patterns[0].cruise_time = -0.1);
     check_relation(Relation::OneSign, |patterns| patterns[1].deceleration = 1.0);
     check_relation(Relation::Acceleration, |patterns| {
         patterns[0].acceleration *= 1.0 + 1e-8
@@ -243,12 +213,8 @@ fn every_relation_is_found_broken() {
     check_relation(Relation::Displacement, |patterns| {
         patterns[1].displacement *= 1.0 + 1e-8
     });
-    check_relation(Relation::Arrival, |patterns| {
-        patterns[1].displacement *= 1.0 + 1e-8
-    });
-    check_relation(Relation::EndTogether, |patterns| {
-        patterns[1].cruise_time += 1e-7
-    });
+    check_relation(Relation::Arrival, |patterns| patterns[1].displacement *= 1.0 + 1e-8);
+    check_relation(Relation::EndTogether, |patterns| patterns[1].cruise_time += 1e-7);
     check_relation(Relation::Still, |patterns| {
         patterns[1] = Pattern {
             peak_velocity: 1e-9,
@@ -278,10 +244,7 @@ fn switching_times_apart_by_a_rounding_are_one() {
         patterns[1].acceleration_time += 1e-13;
         patterns[1].cruise_time -= 1e-13;
     });
-    let (one, other) = (
-        together.joints[1].torque.value,
-        apart.joints[1].torque.value,
-    );
+    let (one, other) = (together.joints[1].torque.value, apart.joints[1].torque.value);
     assert!((one - other).abs() < 1e-9, "{one} and {other}");
     let truly_apart = check(|_, patterns| {
         patterns[1].acceleration_time += 1e-9;
@@ -295,10 +258,7 @@ fn switching_times_apart_by_a_rounding_are_one() {
 fn numbers_that_are_none_exceed_every_limit() {
     let report = check(|spec, _| spec.joints[0].link.mass = f64::NAN);
     assert!(!report.holds(f64::MAX));
-    assert_eq!(
-        report.worst_of(LimitKind::Torque).unwrap().excess,
-        f64::INFINITY
-    );
+    assert_eq!(report.worst_of(LimitKind::Torque).unwrap().excess, f64::INFINITY);
 }
 
 #[test]
@@ -309,13 +269,7 @@ fn move_that_does_not_move_is_held() {
     assert!(report.holds(0.0));
     assert_eq!(report.joints[0].torque.value, 120.0);
     spec.joints[1].drive.peak_torque = Some(16.0);
-    check_excess(
-        &report_on(&spec, &still, &START),
-        LimitKind::Torque,
-        1,
-        0.0,
-        0.25,
-    );
+    check_excess(&report_on(&spec, &still, &START), LimitKind::Torque, 1, 0.0, 0.25);
 }
 
 #[test]
@@ -337,9 +291,7 @@ fn finer_grid_agrees_within_the_stated_resolution() {
             per_interval: 2,
             per_move,
         };
-        recheck(&spec, None, &bounds, &planned, grid)
-            .unwrap()
-            .joints[0]
+        recheck(&spec, None, &bounds, &planned, grid).unwrap().joints[0]
     };
     let (coarse, fine) = (on_grid(30), on_grid(30_000));
     let missed = fine.torque.value.abs() - coarse.torque.value.abs();
@@ -358,13 +310,7 @@ fn lists_of_wrong_length_are_refused() {
         target: &TARGET,
         patterns: &patterns(),
     };
-    let refused = recheck(
-        &spec,
-        None,
-        &Bounds::of_robot(&spec),
-        &planned,
-        Grid::default(),
-    );
+    let refused = recheck(&spec, None, &Bounds::of_robot(&spec), &planned, Grid::default());
     let mismatch = LengthMismatch {
         what: "start",
         found: 1,
