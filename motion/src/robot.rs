@@ -1,8 +1,16 @@
 //! A robot: a description, checked and made ready to compute with. Immutable; one value serves every thread.
 
+pub(crate) mod bounds;
+pub mod chain;
 pub mod description;
+pub(crate) mod dh;
+pub(crate) mod findings;
+pub(crate) mod inertial;
 mod preset;
+pub mod resolve;
+pub(crate) mod rotation;
 pub mod spec;
+pub mod urdf;
 
 use std::sync::Arc;
 
