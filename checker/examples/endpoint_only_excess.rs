@@ -16,9 +16,10 @@ use std::time::Instant;
 use nalgebra::{Matrix3, Vector3};
 use takt_checker::draw::{self, Draw};
 use takt_checker::endpoint::{self, Preset};
+use takt_checker::motion::{self, JointState, Part};
 use takt_checker::recheck::Checker;
 use takt_checker::statistics::{ExcessStatistics, quantile};
-use takt_checker::{Arm, Bounds, Grid, Move};
+use takt_checker::{Arm, Bounds, Grid, Move, Workspace};
 use takt_motion::plan::outcome::{Fallback, LimitKind};
 use takt_motion::robot::spec::{Inertial, RobotSpec};
 
@@ -49,14 +50,36 @@ fn main() {
     }
 }
 
-fn arms() -> [(&'static str, RobotSpec); 4] {
+/// Acceleration limits as Franka publishes them for its joint interface, rad/s² (frankaemika/docs,
+/// `control_parameters`).
+const FR3_ACCELERATION: [f64; 7] = [10.0; 7];
+const PANDA_ACCELERATION: [f64; 7] = [15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0];
+
+/// Rotors and friction are the PUMA's alone: for the others none are published that may be used here, and so a light
+/// wrist takes accelerations in theory that no drive gives. The published acceleration limits, where there are any,
+/// bound that.
+fn arms() -> [(&'static str, RobotSpec); 6] {
     let urdf = |folder, urdf| arms::from_urdf(folder, urdf, "oracle.json").spec;
+    let fr3 = urdf("fr3", "fr3.urdf");
+    let panda = urdf("panda", "fer.urdf");
     [
         ("UR5e", urdf("ur5e", "ur5e.urdf")),
-        ("FR3", urdf("fr3", "fr3.urdf")),
-        ("Panda", urdf("panda", "fer.urdf")),
+        ("FR3", fr3.clone()),
+        ("FR3 with acceleration limits", with_limits(fr3, &FR3_ACCELERATION)),
+        ("Panda", panda.clone()),
+        (
+            "Panda with acceleration limits",
+            with_limits(panda, &PANDA_ACCELERATION),
+        ),
         ("PUMA 560", arms::puma_from_table().spec),
     ]
+}
+
+fn with_limits(mut spec: RobotSpec, acceleration: &[f64]) -> RobotSpec {
+    for (joint, limit) in spec.joints.iter_mut().zip(acceleration) {
+        joint.limits.acceleration = Some(*limit);
+    }
+    spec
 }
 
 /// 2 kg, 0.1 m out along the tip's axis.
@@ -101,12 +124,57 @@ fn draw_move(draw: &mut Draw, spec: &RobotSpec, reach: Reach) -> (Vec<f64>, Vec<
     (start, target)
 }
 
+/// When in a move the worst torque falls.
+#[derive(Clone, Copy, PartialEq)]
+enum Moment {
+    /// All joints that move speed up, or all slow down.
+    Together,
+    /// Some speed up or slow down, others do not, or do the opposite.
+    Apart,
+    /// All cruise.
+    Cruise,
+}
+
+/// The moment of the torque of largest magnitude of `joint`, on the side of `time` where it is larger.
+fn moment_of(arm: &Arm, emitted: &Move<'_>, joint: usize, time: f64, duration: f64) -> Moment {
+    let aside = 1e-9 * duration;
+    let side = |time: f64| {
+        let states: Vec<JointState> = emitted
+            .patterns
+            .iter()
+            .map(|pattern| motion::state_in(pattern, motion::part_at(pattern, time), time))
+            .collect();
+        let q: Vec<f64> = states
+            .iter()
+            .zip(emitted.start)
+            .map(|(state, start)| start + state.travelled)
+            .collect();
+        let qd: Vec<f64> = states.iter().map(|state| state.velocity).collect();
+        let qdd: Vec<f64> = states.iter().map(|state| state.acceleration).collect();
+        let mut tau = vec![0.0; q.len()];
+        arm.drive_torque(&mut Workspace::default(), &q, &qd, &qdd, &qd, &mut tau);
+        (tau[joint].abs(), time)
+    };
+    let (before, after) = (side(time - aside), side(time + aside));
+    let (_, time) = if before.0 > after.0 { before } else { after };
+    let moving = emitted.patterns.iter().filter(|pattern| pattern.displacement != 0.0);
+    let mut parts: Vec<Part> = moving.map(|pattern| motion::part_at(pattern, time)).collect();
+    parts.dedup();
+    match parts[..] {
+        [Part::Cruise] => Moment::Cruise,
+        [_] => Moment::Together,
+        _ => Moment::Apart,
+    }
+}
+
 #[derive(Default)]
 struct Found {
     /// Signed, of torque alone.
     excesses: Vec<f64>,
     /// Of duration over that of the preset pattern.
     gains: Vec<f64>,
+    /// Of the worst torque of each move that is over.
+    moments: Vec<Moment>,
     refused: usize,
     fallbacks: usize,
     samples: usize,
@@ -139,6 +207,11 @@ impl Found {
         assert_eq!(report.inconsistencies, [], "the method's patterns are sound");
         let worst = report.worst_of(LimitKind::Torque).expect("torque is limited");
         self.excesses.push(worst.excess);
+        if worst.excess > KEPT {
+            let time = worst.extreme.time;
+            self.moments
+                .push(moment_of(arm, &emitted, worst.joint, time, report.duration));
+        }
         self.gains.push(planned.duration / planned.preset_duration);
         self.fallbacks += usize::from(planned.fallback != Fallback::None);
         self.samples += report.sample_count;
@@ -156,6 +229,16 @@ impl Found {
         self.gains.sort_by(f64::total_cmp);
         let far_over = ExcessStatistics::of(&self.excesses, 0.1).share_over;
         println!("{name}, {reach}: {}", ExcessStatistics::of(&self.excesses, KEPT));
+        let share = |moment| {
+            let count = self.moments.iter().filter(|one| **one == moment).count();
+            100.0 * count as f64 / self.moments.len().max(1) as f64
+        };
+        println!(
+            "  worst while all joints speed up or slow down {:.0} %, while only some do {:.0} %, while all cruise {:.0} %",
+            share(Moment::Together),
+            share(Moment::Apart),
+            share(Moment::Cruise),
+        );
         println!(
             "  {:.1} % by more than a tenth; {} without a plan; {:.1} % by a fallback; duration over preset's {:.2} \
              (median); {:.1} million states in {seconds:.1} s; resolution {:.1e}",

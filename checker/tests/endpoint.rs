@@ -8,6 +8,7 @@ use takt_checker::draw::{self, Draw};
 use takt_checker::endpoint::{self, EndpointMove, Preset};
 use takt_checker::{Arm, Bounds, Grid, Move, Report, Workspace, recheck};
 use takt_motion::plan::outcome::{Fallback, LimitKind, Pattern};
+use takt_motion::robot::Robot;
 use takt_motion::robot::spec::RobotSpec;
 
 /// Roundings.
@@ -177,4 +178,27 @@ fn nothing_to_do_takes_no_time() {
     let pose = [0.0, 0.5, -0.5, 0.0, 0.3, 0.0];
     // No acceleration is asked for, so none is the largest.
     assert_eq!(trial.plan(&pose, &pose, Fallback::Rebased), None);
+}
+
+#[test]
+fn derived_presets_are_the_planners() {
+    // Both take the first percentile over their own 4096 poses: as far apart as two such samples are.
+    let specs = [
+        arms::from_urdf("ur5e", "ur5e.urdf", "oracle.json").spec,
+        arms::from_urdf("fr3", "fr3.urdf", "oracle.json").spec,
+        arms::puma_from_table().spec,
+    ];
+    for spec in specs {
+        let arm = Arm::new(&spec, None);
+        let own = endpoint::derive_preset(&spec, &arm, &Bounds::of_robot(&spec), 4096).expect("the arm has limits");
+        let robot = Robot::new(spec, Vec::new()).expect("the arm is sound");
+        for (joint, own) in own.acceleration.iter().enumerate() {
+            let theirs = robot.preset(joint).expect("the arm has limits").acceleration;
+            let ratio = own / theirs;
+            assert!(
+                (0.9..1.1).contains(&ratio),
+                "joint {joint}: {own} here, {theirs} by the planner"
+            );
+        }
+    }
 }
