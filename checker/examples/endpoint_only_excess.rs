@@ -17,9 +17,8 @@ use nalgebra::{Matrix3, Vector3};
 use takt_checker::draw::{self, Draw};
 use takt_checker::endpoint::{self, Preset};
 use takt_checker::motion::{self, JointState, Part};
-use takt_checker::recheck::Checker;
 use takt_checker::statistics::{ExcessStatistics, quantile};
-use takt_checker::{Arm, Bounds, Grid, Move, Workspace};
+use takt_checker::{Arm, Bounds, Checker, Grid, Move, Workspace};
 use takt_motion::plan::outcome::{Fallback, LimitKind};
 use takt_motion::robot::spec::{Inertial, RobotSpec};
 

@@ -9,6 +9,8 @@
 //! - [`motion`]: a pattern as the motion of one joint over time, and whether its figures agree with each other.
 //! - [`bounds`]: the limits that a request puts in force.
 //! - [`recheck`](mod@recheck): a whole move on a dense grid of times, both sides of every switching time included.
+//! - [`report`]: what it finds: the extremes of every joint, and what does not agree.
+//! - [`claims`]: what a plan says of itself, against what was found.
 //! - [`endpoint`]: the end-pose method of JP4358979B2 written a second time, to measure what it lets through.
 //! - [`statistics`], [`draw`]: distributions of excesses, and the random numbers behind them.
 //!
@@ -19,13 +21,16 @@
 
 pub mod arm;
 pub mod bounds;
+pub mod claims;
 pub mod draw;
 pub mod endpoint;
 pub mod motion;
 pub mod recheck;
+pub mod report;
 pub mod statistics;
 pub mod tolerance;
 
 pub use arm::{Arm, Workspace};
 pub use bounds::Bounds;
-pub use recheck::{Grid, Move, Report, recheck};
+pub use recheck::{Checker, Grid, Move, recheck};
+pub use report::Report;

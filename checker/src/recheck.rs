@@ -5,12 +5,13 @@
 //! interval: a switching time is sampled twice, once from either side. Before the start and after the end the arm
 //! holds still, and the torque that this takes counts too.
 
-use takt_motion::plan::outcome::{LimitKind, Pattern};
+use takt_motion::plan::outcome::Pattern;
 use takt_motion::robot::spec::{Inertial, RobotSpec};
 
 use crate::arm::{Arm, Workspace};
 use crate::bounds::Bounds;
 use crate::motion::{self, Inconsistency, Part, Relation};
+use crate::report::{JointReport, Report};
 use crate::tolerance;
 
 /// A move as emitted, one entry a joint in model order.
@@ -32,67 +33,6 @@ pub struct Grid {
     pub per_interval: usize,
     /// Steps besides, spread evenly over the move.
     pub per_move: usize,
-}
-
-/// What a recheck found.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Report {
-    /// Of the longest pattern, s.
-    pub duration: f64,
-    /// How many states were looked at.
-    pub sample_count: usize,
-    /// One a joint, in model order.
-    pub joints: Vec<JointReport>,
-    /// What does not hold between the figures of the move; empty for a sound one. A move with figures that are no
-    /// numbers, or with negative times, is not sampled.
-    pub inconsistencies: Vec<Inconsistency>,
-}
-
-/// The extremes of one joint.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct JointReport {
-    /// Drive torque of largest magnitude, signed, N m or N.
-    pub torque: Extreme,
-    /// Velocity of largest magnitude, signed.
-    pub velocity: Extreme,
-    /// Acceleration of largest magnitude while speeding up, signed.
-    pub acceleration: Extreme,
-    /// Acceleration of largest magnitude while slowing down, signed.
-    pub deceleration: Extreme,
-    /// Lowest position.
-    pub lowest: Extreme,
-    /// Highest position.
-    pub highest: Extreme,
-    /// An eighth of the largest second difference of the torque between neighbouring samples, N m or N: by about so
-    /// much can the true extreme lie beyond the sampled one.
-    pub torque_resolution: f64,
-}
-
-/// The tightest moment of one quantity of one joint.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Extreme {
-    /// The value, signed.
-    pub value: f64,
-    /// When, s.
-    pub time: f64,
-    /// The limit, a magnitude for all but positions; `None`: there is none.
-    pub limit: Option<f64>,
-    /// (|value| − limit)/limit; for a position, the way beyond the limit over the joint's range, or as it stands where
-    /// only one end is limited. Negative where there is room left; infinite where the value is not a number.
-    pub excess: Option<f64>,
-}
-
-/// The largest excess of a move.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Worst {
-    /// Which limit.
-    pub kind: LimitKind,
-    /// Index of the joint.
-    pub joint: usize,
-    /// Value, time, limit, excess.
-    pub extreme: Extreme,
-    /// The excess, negative where all limits hold with room left.
-    pub excess: f64,
 }
 
 /// Lists that should have one entry a joint and have not.
@@ -186,6 +126,9 @@ impl Checker {
             self.hold(planned, 0.0, &mut report);
             self.sweep(planned, duration, grid, &mut report);
             self.hold(planned, duration, &mut report);
+            for (joint, tau) in report.joints.iter_mut().zip(&self.sample.tau) {
+                joint.holding_torque = *tau;
+            }
         }
         for (joint, bounds) in report.joints.iter_mut().zip(bounds) {
             joint.judge(bounds);
@@ -226,6 +169,8 @@ impl Checker {
                 let time = from + (to - from) * (step as f64 / steps as f64);
                 self.take(planned, time, report);
                 self.resolve(step, report);
+                let ends = if step == 0 || step == steps { 0.5 } else { 1.0 };
+                self.integrate(ends * (to - from) / steps as f64, report);
             }
         }
     }
@@ -295,6 +240,7 @@ impl Checker {
             let (qdd, direction) = (sample.qdd[joint], sample.direction[joint]);
             found.torque.offer(sample.tau[joint], time);
             found.velocity.offer(sample.qd[joint], time);
+            found.power.offer(sample.tau[joint] * sample.qd[joint], time);
             if qdd * direction > 0.0 {
                 found.acceleration.offer(qdd, time);
             } else {
@@ -302,6 +248,13 @@ impl Checker {
             }
             found.lowest.offer_lower(sample.q[joint], time);
             found.highest.offer_higher(sample.q[joint], time);
+        }
+    }
+
+    /// Adds what the sample stands for to the integrals.
+    fn integrate(&self, weight: f64, report: &mut Report) {
+        for (joint, tau) in report.joints.iter_mut().zip(&self.sample.tau) {
+            joint.squared_torque += tau * tau * weight;
         }
     }
 
@@ -340,133 +293,6 @@ fn inconsistencies(planned: &Move<'_>, duration: f64) -> Vec<Inconsistency> {
         }
     }
     all
-}
-
-impl Report {
-    /// Whether the move is sound and no limit is exceeded by more than `tolerance`, relative.
-    #[must_use]
-    pub fn holds(&self, tolerance: f64) -> bool {
-        self.inconsistencies.is_empty() && self.worst().is_none_or(|worst| worst.excess <= tolerance)
-    }
-
-    /// The largest excess of all limits; `None` where there is no limit.
-    #[must_use]
-    pub fn worst(&self) -> Option<Worst> {
-        self.worst_among(|_| true)
-    }
-
-    /// The largest excess of one kind of limit; `None` where there is none of that kind.
-    #[must_use]
-    pub fn worst_of(&self, kind: LimitKind) -> Option<Worst> {
-        self.worst_among(|other| other == kind)
-    }
-
-    fn worst_among(&self, wanted: impl Fn(LimitKind) -> bool) -> Option<Worst> {
-        self.joints
-            .iter()
-            .enumerate()
-            .flat_map(|(joint, report)| {
-                report.extremes().into_iter().filter_map(move |(kind, extreme)| {
-                    extreme.excess.map(|excess| Worst {
-                        kind,
-                        joint,
-                        extreme,
-                        excess,
-                    })
-                })
-            })
-            .filter(|worst| wanted(worst.kind))
-            .max_by(|one, other| one.excess.total_cmp(&other.excess))
-    }
-}
-
-impl JointReport {
-    /// Nothing seen but the start.
-    fn before(bounds: &Bounds, start: f64) -> Self {
-        let limited = |limit| Extreme {
-            limit,
-            ..Extreme::default()
-        };
-        let placed = |limit| Extreme {
-            value: start,
-            limit,
-            ..Extreme::default()
-        };
-        Self {
-            torque: limited(bounds.torque),
-            velocity: limited(bounds.velocity),
-            acceleration: limited(bounds.acceleration),
-            deceleration: limited(bounds.deceleration),
-            lowest: placed(bounds.position_lower),
-            highest: placed(bounds.position_upper),
-            torque_resolution: 0.0,
-        }
-    }
-
-    /// Every extreme with the limit that it is held against.
-    #[must_use]
-    pub fn extremes(&self) -> [(LimitKind, Extreme); 6] {
-        [
-            (LimitKind::Torque, self.torque),
-            (LimitKind::Velocity, self.velocity),
-            (LimitKind::Acceleration, self.acceleration),
-            (LimitKind::Deceleration, self.deceleration),
-            (LimitKind::PositionLower, self.lowest),
-            (LimitKind::PositionUpper, self.highest),
-        ]
-    }
-
-    fn judge(&mut self, bounds: &Bounds) {
-        for extreme in [
-            &mut self.torque,
-            &mut self.velocity,
-            &mut self.acceleration,
-            &mut self.deceleration,
-        ] {
-            extreme.excess = extreme.limit.map(|limit| relative_excess(extreme.value.abs(), limit));
-        }
-        let range = match (bounds.position_lower, bounds.position_upper) {
-            (Some(lower), Some(upper)) if upper > lower => upper - lower,
-            _ => 1.0,
-        };
-        let beyond = |way: f64| {
-            if way.is_nan() { f64::INFINITY } else { way / range }
-        };
-        self.lowest.excess = self.lowest.limit.map(|limit| beyond(limit - self.lowest.value));
-        self.highest.excess = self.highest.limit.map(|limit| beyond(self.highest.value - limit));
-    }
-}
-
-/// By how much `magnitude` exceeds `limit`, relative to it; nothing but rest keeps a limit of 0.
-fn relative_excess(magnitude: f64, limit: f64) -> f64 {
-    let excess = (magnitude - limit) / limit;
-    match excess.is_nan() {
-        true if magnitude == 0.0 => 0.0,
-        true => f64::INFINITY,
-        false => excess,
-    }
-}
-
-// Once a value is not a number it stays the extreme: no comparison may lose it.
-impl Extreme {
-    fn offer(&mut self, value: f64, time: f64) {
-        self.take_if(value.is_nan() || value.abs() > self.value.abs(), value, time);
-    }
-
-    fn offer_lower(&mut self, value: f64, time: f64) {
-        self.take_if(value.is_nan() || value < self.value, value, time);
-    }
-
-    fn offer_higher(&mut self, value: f64, time: f64) {
-        self.take_if(value.is_nan() || value > self.value, value, time);
-    }
-
-    fn take_if(&mut self, tighter: bool, value: f64, time: f64) {
-        if tighter && !self.value.is_nan() {
-            self.value = value;
-            self.time = time;
-        }
-    }
 }
 
 impl Default for Grid {

@@ -1,10 +1,11 @@
 //! The recheck finds what is wrong, and nothing where nothing is.
 
 use nalgebra::{Isometry3, Matrix3, Vector3};
+use takt_checker::claims::{Figure, false_claims};
 use takt_checker::motion::Relation;
 use takt_checker::recheck::LengthMismatch;
 use takt_checker::{Bounds, Grid, Move, Report, recheck};
-use takt_motion::plan::outcome::{LimitKind, Pattern};
+use takt_motion::plan::outcome::{Fallback, LimitKind, Limiting, LimitingKind, MovePlan, Pattern, Phase, TorqueMargin};
 use takt_motion::plan::request::{LimitOverride, Method, MoveRequest, Sampling};
 use takt_motion::robot::spec::{Drive, Friction, Inertial, JointKind, JointSpec, Limits, RobotSpec};
 
@@ -359,4 +360,88 @@ fn request_puts_its_own_limits_in_force() {
         ..lower
     };
     assert_eq!(bounds, [lower, upper]);
+}
+
+/// What a truthful planner says of the sound move: peaks and squares by hand.
+fn truthful_plan() -> MovePlan {
+    // Lower lift: 12·10 + 10·a + 2·(a + a') and friction 6 v + 5; upper: 2·(10 + a + a').
+    let ramp = |from: f64, to: f64, time: f64| (from * from + from * to + to * to) / 3.0 * time;
+    let lower = ramp(169.0, 175.0, 0.25) + 131.0 * 131.0 * 0.75 + ramp(109.0, 103.0, 0.5);
+    let upper = 24.0 * 24.0 * 0.25 + 20.0 * 20.0 * 0.75 + 18.0 * 18.0 * 0.5;
+    let cycle_time = 2.0;
+    let rms = |moving: f64, holding: f64| f64::sqrt((moving + holding * holding * 0.5) / cycle_time);
+    let margin = |joint, limit: f64, peak: f64, rms_torque, peak_motor_speed, peak_power| TorqueMargin {
+        joint,
+        limit,
+        peak_torque: peak,
+        time: 0.25,
+        phase: Phase::Acceleration,
+        margin: (limit - peak) / limit,
+        rms_torque,
+        rated_torque: None,
+        peak_motor_speed,
+        peak_power,
+    };
+    MovePlan {
+        duration: 1.5,
+        preset_duration: 1.5,
+        preset_derived: false,
+        method: Method::Verified,
+        fallback: Fallback::None,
+        patterns: patterns().to_vec(),
+        torque_margins: vec![
+            margin(0, 200.0, 175.0, rms(lower, 120.0), 1.0, 175.0),
+            margin(1, 40.0, 24.0, rms(upper, 20.0), 0.5, 12.0),
+        ],
+        limiting: Limiting {
+            kind: LimitingKind::Torque,
+            joint: 0,
+            time: 0.25,
+            phase: Phase::Acceleration,
+            utilization: 175.0 / 200.0,
+        },
+        raw_excess: 0.0,
+        raw_duration: 1.5,
+        override_safe: None,
+        setpoints: None,
+        warnings: Vec::new(),
+        torque_utilization: 1.0,
+        speed_scale: 1.0,
+        cycle_time,
+        payload: Inertial::zero(),
+    }
+}
+
+fn false_figures(change: impl FnOnce(&mut MovePlan)) -> Vec<(Figure, usize)> {
+    let spec = two_lifts();
+    let mut plan = truthful_plan();
+    change(&mut plan);
+    let report = report_on(&spec, &patterns(), &TARGET);
+    let bounds = Bounds::of_robot(&spec);
+    false_claims(&spec, &bounds, &plan, &report, 1e-6)
+        .iter()
+        .map(|claim| (claim.figure, claim.joint))
+        .collect()
+}
+
+#[test]
+fn truthful_plan_has_no_false_claims() {
+    assert_eq!(false_figures(|_| ()), []);
+}
+
+#[test]
+fn every_false_claim_is_found() {
+    let first = |change: fn(&mut TorqueMargin)| false_figures(|plan| change(&mut plan.torque_margins[0]));
+    assert_eq!(false_figures(|plan| plan.duration = 1.4), [(Figure::Duration, 0)]);
+    assert_eq!(first(|margin| margin.limit = 201.0), [(Figure::TorqueLimit, 0)]);
+    assert_eq!(first(|margin| margin.peak_torque = 174.0), [(Figure::PeakTorque, 0)]);
+    assert_eq!(first(|margin| margin.margin = 0.12), [(Figure::Margin, 0)]);
+    assert_eq!(first(|margin| margin.rms_torque = 100.0), [(Figure::RmsTorque, 0)]);
+    assert_eq!(
+        first(|margin| margin.peak_motor_speed = 1.1),
+        [(Figure::PeakMotorSpeed, 0)]
+    );
+    assert_eq!(first(|margin| margin.peak_power = f64::NAN), [(Figure::PeakPower, 0)]);
+    let missing = false_figures(|plan| plan.torque_margins.truncate(1));
+    assert_eq!(missing, [(Figure::Presence, 1)]);
 }
