@@ -193,7 +193,7 @@ fn check_payload(payload: Option<&Inertial>, findings: &mut Findings) {
     if payload.mass > 0.0
         && payload.inertia != Matrix3::zeros()
         && !findings.has_errors()
-        && let Some(oddity) = inertial::oddity("the", "payload", payload)
+        && let Some(oddity) = inertial::oddity("payload", payload)
     {
         findings.warn(oddity);
     }

@@ -336,7 +336,7 @@ fn a_payload_may_be_a_point_but_not_inertia_without_mass() {
     );
     payload.inertia = Matrix3::from_diagonal(&Vector3::new(0.1, 0.1, 0.3));
     description.payload = Some(payload);
-    check_warned(&description, "the \"payload\": principal moments");
+    check_warned(&description, "payload: principal moments");
     payload.mass = 0.0;
     description.payload = Some(payload);
     assert_eq!(

@@ -52,7 +52,7 @@ pub(super) fn model<'a>(
         findings.error(
             "urdf",
             format!(
-                "the root element is <{}>, a URDF has <robot>",
+                "the root element is {}, a URDF's is \"robot\"",
                 quoted(tag.name())
             ),
         );
@@ -62,9 +62,9 @@ pub(super) fn model<'a>(
     for node in root.children().filter(Node::is_element) {
         if is_xacro(&node) {
             let message = format!(
-                "line {}: <xacro:{}>: expand the file with xacro first",
+                "line {}: the macro element {} is left in the file: expand it with xacro first",
                 lines.line(&node),
-                node.tag_name().name()
+                quoted(node.tag_name().name())
             );
             findings.error("urdf", message);
             continue;
