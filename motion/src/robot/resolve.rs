@@ -64,7 +64,12 @@ impl Description {
 
     fn chain(&self, findings: &mut Findings) -> Option<Chain> {
         match &self.kinematics {
-            Kinematics::Dh { convention, links } => dh::read(*convention, links, findings),
+            Kinematics::Dh { convention, links } => {
+                if self.use_urdf_dynamics {
+                    findings.warn("use_urdf_dynamics says nothing to a DH table");
+                }
+                dh::read(*convention, links, findings)
+            }
             Kinematics::Urdf {
                 text,
                 base_link,
