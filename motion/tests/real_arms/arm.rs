@@ -8,8 +8,7 @@ use std::path::Path;
 
 use serde_json::Value;
 use takt_motion::nalgebra::{
-    DMatrix, DVector, Isometry3, Matrix3, Matrix3xX, Point3, Rotation3, Translation3, Unit,
-    UnitQuaternion, Vector3,
+    DMatrix, DVector, Isometry3, Matrix3, Matrix3xX, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3,
 };
 use takt_motion::robot::description::{Description, Kinematics};
 use takt_motion::robot::resolve::Resolved;
@@ -66,9 +65,7 @@ impl Arm {
     /// Any description beside any oracle; its gravity becomes the oracle's.
     pub(crate) fn described(mut description: Description, oracle: Value) -> Self {
         description.gravity = Some(Vector3::from_column_slice(&numbers(&oracle["gravity"])));
-        let resolved = description
-            .resolve()
-            .unwrap_or_else(|errors| panic!("{errors:#?}"));
+        let resolved = description.resolve().unwrap_or_else(|errors| panic!("{errors:#?}"));
         Self { resolved, oracle }
     }
 
@@ -90,9 +87,7 @@ impl Arm {
     }
 
     fn check_joints(&self) {
-        let joints = self.oracle["joints"]
-            .as_array()
-            .expect("an oracle has joints");
+        let joints = self.oracle["joints"].as_array().expect("an oracle has joints");
         let spec = &self.resolved.spec;
         assert_eq!(spec.joints.len(), joints.len());
         for (joint, oracle) in spec.joints.iter().zip(joints) {
@@ -144,12 +139,7 @@ impl Arm {
             let mass_matrix = [&state["mass_matrix"], &state["mass_matrix_rigid"]];
             let mass_matrix = mass_matrix.into_iter().find(|matrix| !matrix.is_null());
             let mass_matrix = numbers(mass_matrix.expect("a state has a mass matrix"));
-            check_close(
-                "mass matrix",
-                posed.mass_matrix().as_slice(),
-                &mass_matrix,
-                tolerance,
-            );
+            check_close("mass matrix", posed.mass_matrix().as_slice(), &mass_matrix, tolerance);
             let gravity_torque = numbers(&state["tau_gravity"]);
             check_close(
                 "gravity torque",
@@ -161,9 +151,7 @@ impl Arm {
     }
 
     fn states(&self) -> &[Value] {
-        let states = self.oracle["states"]
-            .as_array()
-            .expect("an oracle has states");
+        let states = self.oracle["states"].as_array().expect("an oracle has states");
         assert!(!states.is_empty());
         states
     }
@@ -182,10 +170,9 @@ impl<'a> Posed<'a> {
         let mut joints = Vec::new();
         for (joint, q) in spec.joints.iter().zip(q) {
             let motion = match joint.kind {
-                JointKind::Prismatic => Isometry3::from_parts(
-                    Translation3::from(joint.axis * *q),
-                    UnitQuaternion::identity(),
-                ),
+                JointKind::Prismatic => {
+                    Isometry3::from_parts(Translation3::from(joint.axis * *q), UnitQuaternion::identity())
+                }
                 JointKind::Revolute | JointKind::Continuous => {
                     let rotation = Rotation3::from_axis_angle(&Unit::new_unchecked(joint.axis), *q);
                     Isometry3::from_parts(
@@ -239,8 +226,7 @@ impl<'a> Posed<'a> {
         for link in 0..count {
             let (mass, center, inertia) = self.body(link);
             let (linear, angular) = self.jacobians(link, &center);
-            matrix +=
-                linear.transpose() * &linear * mass + angular.transpose() * inertia * &angular;
+            matrix += linear.transpose() * &linear * mass + angular.transpose() * inertia * &angular;
         }
         matrix
     }
@@ -260,19 +246,13 @@ impl<'a> Posed<'a> {
 pub(crate) fn numbers(value: &Value) -> Vec<f64> {
     match value {
         Value::Array(values) => values.iter().flat_map(numbers).collect(),
-        other => vec![
-            other
-                .as_f64()
-                .unwrap_or_else(|| panic!("{other} is not a number")),
-        ],
+        other => vec![other.as_f64().unwrap_or_else(|| panic!("{other} is not a number"))],
     }
 }
 
 fn check_close(what: &str, actual: &[f64], expected: &[f64], tolerance: f64) {
     assert_eq!(actual.len(), expected.len(), "{what}");
-    let scale = expected
-        .iter()
-        .fold(1e-6_f64, |scale, value| scale.max(value.abs()));
+    let scale = expected.iter().fold(1e-6_f64, |scale, value| scale.max(value.abs()));
     for (actual_entry, expected_entry) in actual.iter().zip(expected) {
         let difference = (actual_entry - expected_entry).abs() / scale;
         assert!(

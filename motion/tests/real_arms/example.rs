@@ -1,9 +1,7 @@
 //! The example descriptions in `robots/`, as far as motion knows of the wire: DH tables, limits and drives.
 
 use serde_json::Value;
-use takt_motion::nalgebra::{
-    Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3,
-};
+use takt_motion::nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use takt_motion::robot::description::{
     Description, DhConvention, DhLink, DriveEntry, FrictionEntry, JointEntry, Kinematics,
 };

@@ -93,12 +93,7 @@ fn check_example(name: &str, folder: &str) {
     let oracle = json(&format!("tests/vectors/robots/{folder}/oracle.json"));
     let arm = Arm::described(example::description(name), oracle);
     arm.check_dynamics(EXAMPLE_TOLERANCE);
-    assert_eq!(
-        arm.resolved.warnings.len(),
-        0,
-        "{:?}",
-        arm.resolved.warnings
-    );
+    assert_eq!(arm.resolved.warnings.len(), 0, "{:?}", arm.resolved.warnings);
 }
 
 #[test]

@@ -129,11 +129,7 @@ proptest! {
 fn the_inertia_of_a_standard_link_is_turned_into_its_joint() {
     let (chain, _) = accepted(
         DhConvention::Standard,
-        &[link(
-            "j",
-            false,
-            [0.0, std::f64::consts::FRAC_PI_2, 0.0, 0.0],
-        )],
+        &[link("j", false, [0.0, std::f64::consts::FRAC_PI_2, 0.0, 0.0])],
     );
     let inertia = chain.joints[0].link.inertia;
     assert!((inertia.diagonal() - Vector3::new(0.02, 0.04, 0.03)).norm() < 1e-15);
@@ -146,10 +142,7 @@ fn links_without_mass_and_odd_ones_are_warned_of() {
     links[1].mass = 0.0;
     links[1].inertia = Matrix3::zeros();
     let (_, warnings) = accepted(DhConvention::Modified, &links);
-    assert!(
-        warnings[0].contains("link of joint \"a\": mass 0 with"),
-        "{warnings:?}"
-    );
+    assert!(warnings[0].contains("link of joint \"a\": mass 0 with"), "{warnings:?}");
     assert!(
         warnings[1].contains("joint \"b\": the link that it moves has no mass"),
         "{warnings:?}"

@@ -1,9 +1,7 @@
 use nalgebra::{Isometry3, Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 use crate::robot::bounds::{MAX_FRAMES, MAX_JOINT_ENTRIES};
-use crate::robot::description::{
-    Description, DhConvention, DhLink, DriveEntry, FrictionEntry, JointEntry, Kinematics,
-};
+use crate::robot::description::{Description, DhConvention, DhLink, DriveEntry, FrictionEntry, JointEntry, Kinematics};
 use crate::robot::rotation;
 use crate::robot::spec::{Drive, Friction, Inertial, JointKind, Limits};
 
@@ -148,12 +146,8 @@ fn entries_must_name_each_joint_once() {
             "joints[2].name: \"elbow\" is the name of joints[0] too",
         ]
     );
-    description.joints =
-        vec![entry("elbow", Limits::default(), DriveEntry::default()); MAX_JOINT_ENTRIES + 1];
-    assert_eq!(
-        refused(&description),
-        ["joints: 1001 entries must be at most 1000"]
-    );
+    description.joints = vec![entry("elbow", Limits::default(), DriveEntry::default()); MAX_JOINT_ENTRIES + 1];
+    assert_eq!(refused(&description), ["joints: 1001 entries must be at most 1000"]);
 }
 
 #[test]
@@ -165,10 +159,7 @@ fn a_range_on_a_continuous_joint_makes_it_revolute() {
         ..Limits::default()
     };
     description.joints = vec![entry("elbow", limits, DriveEntry::default())];
-    assert_eq!(
-        description.resolve().unwrap().spec.joints[1].kind,
-        JointKind::Revolute
-    );
+    assert_eq!(description.resolve().unwrap().spec.joints[1].kind, JointKind::Revolute);
     check_warned(
         &description,
         "continuous in the URDF, revolute with the position limits",
@@ -297,14 +288,8 @@ fn entries_are_checked_beside_a_broken_urdf() {
     description.joints = vec![entry("elbow", limits, DriveEntry::default())];
     let errors = refused(&description);
     assert_eq!(errors.len(), 2);
-    assert!(
-        errors[0].starts_with("urdf: not well-formed XML"),
-        "{errors:?}"
-    );
-    assert!(
-        errors[1].starts_with("joints[0].limits.velocity"),
-        "{errors:?}"
-    );
+    assert!(errors[0].starts_with("urdf: not well-formed XML"), "{errors:?}");
+    assert!(errors[1].starts_with("joints[0].limits.velocity"), "{errors:?}");
 }
 
 #[test]
@@ -350,8 +335,7 @@ fn frames_have_names_of_their_own() {
     let mut description = description();
     let frame = |name: &str| (name.to_owned(), Isometry3::identity());
     description.frames = vec![frame("table"), frame(""), frame("table")];
-    description.frames[1].1 =
-        rotation::pose(Vector3::new(0.0, 1e9, 0.0), UnitQuaternion::identity());
+    description.frames[1].1 = rotation::pose(Vector3::new(0.0, 1e9, 0.0), UnitQuaternion::identity());
     assert_eq!(
         refused(&description),
         [
@@ -361,10 +345,7 @@ fn frames_have_names_of_their_own() {
         ]
     );
     description.frames = vec![frame("table"); MAX_FRAMES + 1];
-    assert_eq!(
-        refused(&description),
-        ["frames: 1001 frames must be at most 1000"]
-    );
+    assert_eq!(refused(&description), ["frames: 1001 frames must be at most 1000"]);
 }
 
 #[test]
@@ -382,14 +363,8 @@ fn odd_combinations_are_warned_of() {
     };
     description.joints = vec![entry("shoulder", limits, drive)];
     check_warned(&description, "rated torque 11.0 is above peak torque 10.0");
-    check_warned(
-        &description,
-        "preset acceleration 6.0 is above its limit 5.0",
-    );
-    check_warned(
-        &description,
-        "preset deceleration 7.0 is above its limit 5.0",
-    );
+    check_warned(&description, "preset acceleration 6.0 is above its limit 5.0");
+    check_warned(&description, "preset deceleration 7.0 is above its limit 5.0");
     let Kinematics::Urdf { text, .. } = &mut description.kinematics else {
         unreachable!()
     };

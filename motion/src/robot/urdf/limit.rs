@@ -27,17 +27,14 @@ pub(super) fn read(
     let name = quoted(joint.owner);
     let Some(limit) = joint.child("limit", findings) else {
         if kind.has_range() {
-            oddities.push(format!(
-                "joint {name}: no <limit>, its position is taken as unlimited"
-            ));
+            oddities.push(format!("joint {name}: no <limit>, its position is taken as unlimited"));
         }
         return (limits, None);
     };
     let lower = limit.number("lower", findings);
     let upper = limit.number("upper", findings);
     if kind.has_range() {
-        (limits.position_lower, limits.position_upper) =
-            range(&limit, lower, upper, oddities, findings);
+        (limits.position_lower, limits.position_upper) = range(&limit, lower, upper, oddities, findings);
     } else if lower.unwrap_or(0.0) < upper.unwrap_or(0.0) {
         oddities.push(format!(
             "joint {name}: continuous, so its position limits {:?} to {:?} are not used",
@@ -61,10 +58,7 @@ fn range(
     findings: &mut Findings,
 ) -> (Option<f64>, Option<f64>) {
     let name = quoted(limit.owner);
-    let (Some(lower), Some(upper)) = (
-        lower.or(upper.and(Some(0.0))),
-        upper.or(lower.and(Some(0.0))),
-    ) else {
+    let (Some(lower), Some(upper)) = (lower.or(upper.and(Some(0.0))), upper.or(lower.and(Some(0.0)))) else {
         if limit.text("lower").is_none() && limit.text("upper").is_none() {
             oddities.push(format!(
                 "joint {name}: no lower and upper in its <limit>, its position is taken as unlimited"

@@ -101,12 +101,7 @@ fn find_link(tree: &Tree<'_>, field: &str, name: &str, findings: &mut Findings) 
 }
 
 /// The only leaf below the base link: where there are several, a guess would plan for the wrong arm.
-fn only_leaf(
-    model: &Model<'_>,
-    tree: &Tree<'_>,
-    base: usize,
-    findings: &mut Findings,
-) -> Option<usize> {
+fn only_leaf(model: &Model<'_>, tree: &Tree<'_>, base: usize, findings: &mut Findings) -> Option<usize> {
     let below = tree.below(base);
     let mut leaves: Vec<usize> = below
         .into_iter()
@@ -129,13 +124,7 @@ fn only_leaf(
 }
 
 /// Joints from base to tip.
-fn path(
-    model: &Model<'_>,
-    tree: &Tree<'_>,
-    base: usize,
-    tip: usize,
-    findings: &mut Findings,
-) -> Option<Vec<usize>> {
+fn path(model: &Model<'_>, tree: &Tree<'_>, base: usize, tip: usize, findings: &mut Findings) -> Option<Vec<usize>> {
     let mut path = Vec::new();
     let mut link = tip;
     while link != base {

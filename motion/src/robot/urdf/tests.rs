@@ -23,9 +23,7 @@ fn body(name: &str, mass: f64) -> String {
 
 /// A joint with whatever is inside it.
 fn joint(name: &str, kind: &str, parent: &str, child: &str, inside: &str) -> String {
-    format!(
-        "<joint name='{name}' type='{kind}'><parent link='{parent}'/><child link='{child}'/>{inside}</joint>\n"
-    )
+    format!("<joint name='{name}' type='{kind}'><parent link='{parent}'/><child link='{child}'/>{inside}</joint>\n")
 }
 
 const LIMIT: &str = "<limit lower='-1' upper='1' effort='10' velocity='2'/>";
@@ -79,11 +77,7 @@ fn check_refused(text: &str, options: &Options<'_>, parts: &[&str]) {
     let errors = refused(text, options);
     assert_eq!(errors.len(), 1, "{errors:#?}");
     for part in parts {
-        assert!(
-            errors[0].contains(part),
-            "{part:?} is not in {:?}",
-            errors[0]
-        );
+        assert!(errors[0].contains(part), "{part:?} is not in {:?}", errors[0]);
     }
 }
 

@@ -7,11 +7,7 @@ use crate::robot::urdf::Options;
 #[test]
 fn base_is_the_root_and_tip_the_only_leaf() {
     let (chain, warnings) = accepted(&arm(""), &Options::default());
-    let names: Vec<&str> = chain
-        .joints
-        .iter()
-        .map(|joint| joint.name.as_str())
-        .collect();
+    let names: Vec<&str> = chain.joints.iter().map(|joint| joint.name.as_str()).collect();
     assert_eq!(names, ["shoulder", "elbow"]);
     assert_eq!(warnings, Vec::<String>::new());
 }
@@ -42,11 +38,7 @@ fn a_list_of_leaves_is_capped() {
             )
         })
         .collect();
-    check_refused(
-        &arm(&more),
-        &Options::default(),
-        &["50 links", "\"l7\" and 42 more"],
-    );
+    check_refused(&arm(&more), &Options::default(), &["50 links", "\"l7\" and 42 more"]);
 }
 
 #[test]
@@ -111,11 +103,7 @@ fn a_chain_without_moving_joints_is_refused() {
         &Options::default(),
         &["no joint moves between base link \"a\" and tip link \"b\""],
     );
-    check_refused(
-        &robot("<link name='a'/>"),
-        &Options::default(),
-        &["no joint moves"],
-    );
+    check_refused(&robot("<link name='a'/>"), &Options::default(), &["no joint moves"]);
 }
 
 #[test]
@@ -135,10 +123,7 @@ fn fixed_joints_fold_into_the_link_before_them() {
     let link = &chain.joints[1].link;
     assert_eq!(link.mass, 1.5);
     assert!((link.center_of_mass - Vector3::new(0.0, 0.0, 0.25 / 3.0)).norm() < 1e-15);
-    assert_eq!(
-        chain.link_from_tip.translation.vector,
-        Vector3::new(0.0, 0.0, 0.25)
-    );
+    assert_eq!(chain.link_from_tip.translation.vector, Vector3::new(0.0, 0.0, 0.25));
 }
 
 #[test]
@@ -149,30 +134,15 @@ fn a_fixed_joint_before_the_first_moves_its_frame_only() {
             body("pedestal", 30.0),
             body("side", 20.0),
             body("arm", 1.0),
-            joint(
-                "stand",
-                "fixed",
-                "world",
-                "pedestal",
-                "<origin xyz='0 0 2'/>",
-            ),
+            joint("stand", "fixed", "world", "pedestal", "<origin xyz='0 0 2'/>"),
             joint("hinge", "revolute", "pedestal", "side", LIMIT),
-            joint(
-                "turn",
-                "continuous",
-                "pedestal",
-                "arm",
-                "<origin xyz='0 0 1'/>",
-            ),
+            joint("turn", "continuous", "pedestal", "arm", "<origin xyz='0 0 1'/>"),
         ]
         .concat(),
     );
     let (chain, warnings) = accepted(&text, &tip("arm"));
     assert_eq!(chain.joints[0].parent_from_joint.translation.vector.z, 3.0);
-    assert_eq!(
-        chain.joints[0].link.mass, 1.0,
-        "what hangs on the base counts nowhere"
-    );
+    assert_eq!(chain.joints[0].link.mass, 1.0, "what hangs on the base counts nowhere");
     assert_eq!(warnings, Vec::<String>::new());
 }
 
@@ -188,20 +158,13 @@ fn side_branches_are_held_at_zero_or_the_nearest_limit() {
     .concat();
     let (chain, warnings) = accepted(&arm(&more), &tip("tool"));
     // 1 kg at the origin and 1 kg at 1 + 0.5.
-    assert_eq!(
-        chain.joints[1].link.center_of_mass,
-        Vector3::new(0.0, 0.0, 0.75)
-    );
+    assert_eq!(chain.joints[1].link.center_of_mass, Vector3::new(0.0, 0.0, 0.75));
     check_warned(&warnings, &["held still", "\"slide\" at 0.5"]);
 }
 
 #[test]
 fn floating_and_planar_joints_are_held_beside_the_chain_and_refused_on_it() {
-    let more = [
-        body("bird", 1.0),
-        joint("free", "floating", "lower", "bird", ""),
-    ]
-    .concat();
+    let more = [body("bird", 1.0), joint("free", "floating", "lower", "bird", "")].concat();
     let (chain, _) = accepted(&arm(&more), &tip("lower"));
     assert_eq!(chain.joints[1].link.mass, 2.0);
     check_refused(&arm(&more), &tip("bird"), &["joint \"free\"", "floating"]);
@@ -209,15 +172,9 @@ fn floating_and_planar_joints_are_held_beside_the_chain_and_refused_on_it() {
 
 #[test]
 fn roll_pitch_and_yaw_turn_about_fixed_axes() {
-    let text = arm("").replace(
-        "<origin xyz='1 0 0'/>",
-        "<origin xyz='1 0 0' rpy='0.1 0.2 0.3'/>",
-    );
+    let text = arm("").replace("<origin xyz='1 0 0'/>", "<origin xyz='1 0 0' rpy='0.1 0.2 0.3'/>");
     let (chain, _) = accepted(&text, &Options::default());
-    let matrix = chain.joints[1]
-        .parent_from_joint
-        .rotation
-        .to_rotation_matrix();
+    let matrix = chain.joints[1].parent_from_joint.rotation.to_rotation_matrix();
     let expected = nalgebra::Rotation3::from_euler_angles(0.1, 0.2, 0.3);
     assert!((matrix.matrix() - expected.matrix()).amax() < 1e-15);
 }

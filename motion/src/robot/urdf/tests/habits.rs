@@ -62,10 +62,7 @@ fn a_mimic_beside_the_chain_stands_where_its_master_puts_it() {
             (0.25 + position) / 3.0,
             "{mimic}"
         );
-        check_warned(
-            &warnings,
-            &[&format!("\"right\" at {position:?}, \"left\" at 0.25")],
-        );
+        check_warned(&warnings, &[&format!("\"right\" at {position:?}, \"left\" at 0.25")]);
     }
 }
 
@@ -76,19 +73,13 @@ fn a_mimic_of_a_joint_of_the_chain_stands_where_zero_puts_it() {
         &tip("tool"),
     );
     assert_eq!(chain.joints[1].link.center_of_mass.z, 0.75 / 3.0);
-    check_warned(
-        &warnings,
-        &["joint \"right\"", "mimics joint \"elbow\", which moves"],
-    );
+    check_warned(&warnings, &["joint \"right\"", "mimics joint \"elbow\", which moves"]);
 }
 
 #[test]
 fn a_mimic_of_nothing_stands_at_rest() {
     let (_, warnings) = accepted(&gripper("<mimic joint='gone'/>"), &tip("tool"));
-    check_warned(
-        &warnings,
-        &["joint \"right\"", "\"gone\", which is not there"],
-    );
+    check_warned(&warnings, &["joint \"right\"", "\"gone\", which is not there"]);
 }
 
 #[test]
@@ -107,10 +98,7 @@ fn mimics_of_each_other_are_refused() {
         "upper='0.5'/><mimic joint='right'/>",
     );
     let errors = super::refused(&text, &tip("tool"));
-    assert!(
-        errors[0].contains("mimics itself by way of others"),
-        "{errors:?}"
-    );
+    assert!(errors[0].contains("mimics itself by way of others"), "{errors:?}");
 }
 
 #[test]
@@ -118,14 +106,8 @@ fn continuous_joints_have_no_range_whatever_is_written() {
     for (limit, is_warned) in [
         ("", false),
         ("<limit effort='10' velocity='2'/>", false),
-        (
-            "<limit lower='0' upper='0' effort='10' velocity='2'/>",
-            false,
-        ),
-        (
-            "<limit lower='-3' upper='3' effort='10' velocity='2'/>",
-            true,
-        ),
+        ("<limit lower='0' upper='0' effort='10' velocity='2'/>", false),
+        ("<limit lower='-3' upper='3' effort='10' velocity='2'/>", true),
     ] {
         let text = arm("")
             .replacen("'revolute'", "'continuous'", 1)
@@ -144,17 +126,9 @@ fn effort_and_velocity_of_zero_are_unknown_and_stand_ins_pass() {
         ("effort='0' velocity='0'", None, None),
         ("", None, None),
         ("effort='0.0' velocity='1'", None, Some(1.0)),
-        (
-            "effort='1000' velocity='50000'",
-            Some(1000.0),
-            Some(50000.0),
-        ),
+        ("effort='1000' velocity='50000'", Some(1000.0), Some(50000.0)),
     ] {
-        let text = arm("").replacen(
-            LIMIT,
-            &format!("<limit lower='-1' upper='1' {written}/>"),
-            1,
-        );
+        let text = arm("").replacen(LIMIT, &format!("<limit lower='-1' upper='1' {written}/>"), 1);
         let (chain, warnings) = accepted(&text, &Options::default());
         assert_eq!(chain.joints[0].drive.peak_torque, effort);
         assert_eq!(chain.joints[0].limits.velocity, velocity);
@@ -170,10 +144,7 @@ fn huge_limits_are_how_files_write_none() {
         1,
     );
     let (chain, warnings) = accepted(&text, &Options::default());
-    assert_eq!(
-        chain.joints[0].limits,
-        crate::robot::spec::Limits::default()
-    );
+    assert_eq!(chain.joints[0].limits, crate::robot::spec::Limits::default());
     assert_eq!(chain.joints[0].drive.peak_torque, None);
     assert_eq!(warnings.len(), 3, "{warnings:?}");
 }
@@ -213,20 +184,11 @@ fn odd_bodies_are_warned_of_and_read() {
     for (body, words) in [
         (String::new(), "have no mass"),
         (inertial("0", "0", "0", "0"), "have no mass"),
-        (
-            "<inertial><mass value='1'/></inertial>".to_owned(),
-            "point mass",
-        ),
+        ("<inertial><mass value='1'/></inertial>".to_owned(), "point mass"),
         (inertial("1", "0", "0", "0"), "point mass"),
         (inertial("0", "0", "0.35", "0"), "is not a rigid body's"),
-        (
-            inertial("1", "0.1", "-0.01", "0.1"),
-            "negative principal moment",
-        ),
-        (
-            inertial("1", "0.00368", "0.00796", "0.0127"),
-            "triangle inequality",
-        ),
+        (inertial("1", "0.1", "-0.01", "0.1"), "negative principal moment"),
+        (inertial("1", "0.00368", "0.00796", "0.0127"), "triangle inequality"),
     ] {
         let (_, warnings) = accepted(&lower_arm(&body), &Options::default());
         check_warned(
@@ -244,10 +206,7 @@ fn odd_bodies_are_warned_of_and_read() {
 
 #[test]
 fn a_thin_rod_is_not_odd() {
-    let (_, warnings) = accepted(
-        &lower_arm(&inertial("1", "0.1", "0.1", "0")),
-        &Options::default(),
-    );
+    let (_, warnings) = accepted(&lower_arm(&inertial("1", "0.1", "0.1", "0")), &Options::default());
     assert_eq!(warnings, without_warnings());
 }
 
@@ -271,11 +230,7 @@ fn fixed_joints_may_have_axis_limit_and_no_origin() {
 
 #[test]
 fn ranges_need_not_hold_zero_and_may_be_over_one_turn() {
-    let text = arm("").replacen(
-        LIMIT,
-        "<limit lower='0.5' upper='4.5' effort='1' velocity='1'/>",
-        1,
-    );
+    let text = arm("").replacen(LIMIT, "<limit lower='0.5' upper='4.5' effort='1' velocity='1'/>", 1);
     let text = text.replacen(
         LIMIT,
         "<limit lower='-6.283185307179586' upper='6.283185307179586' effort='1' velocity='1'/>",
@@ -283,25 +238,16 @@ fn ranges_need_not_hold_zero_and_may_be_over_one_turn() {
     );
     let (chain, warnings) = accepted(&text, &Options::default());
     assert_eq!(chain.joints[0].limits.position_lower, Some(0.5));
-    assert_eq!(
-        chain.joints[1].limits.position_upper,
-        Some(std::f64::consts::TAU)
-    );
+    assert_eq!(chain.joints[1].limits.position_upper, Some(std::f64::consts::TAU));
     assert_eq!(warnings, without_warnings());
 }
 
 #[test]
 fn a_pitch_of_a_right_angle_is_a_rotation_like_any_other() {
-    let text = arm("").replace(
-        "<origin xyz='1 0 0'/>",
-        "<origin rpy='0.4 1.5707963267948966 0.1'/>",
-    );
+    let text = arm("").replace("<origin xyz='1 0 0'/>", "<origin rpy='0.4 1.5707963267948966 0.1'/>");
     let (chain, _) = accepted(&text, &Options::default());
     let expected = nalgebra::Rotation3::from_euler_angles(0.4, std::f64::consts::FRAC_PI_2, 0.1);
-    let actual = chain.joints[1]
-        .parent_from_joint
-        .rotation
-        .to_rotation_matrix();
+    let actual = chain.joints[1].parent_from_joint.rotation.to_rotation_matrix();
     assert!((actual.matrix() - expected.matrix()).amax() < 1e-15);
 }
 
@@ -309,9 +255,7 @@ fn a_pitch_of_a_right_angle_is_a_rotation_like_any_other() {
 fn soft_limits_are_not_limits() {
     let text = arm("").replacen(
         LIMIT,
-        &format!(
-            "{LIMIT}<safety_controller soft_lower_limit='-9' soft_upper_limit='9' k_velocity='1'/>"
-        ),
+        &format!("{LIMIT}<safety_controller soft_lower_limit='-9' soft_upper_limit='9' k_velocity='1'/>"),
         1,
     );
     let (chain, _) = accepted(&text, &Options::default());
@@ -329,10 +273,7 @@ fn dynamics_are_friction_only_when_asked_for() {
     assert!(chain.joints[0].drive.joint_friction.is_zero());
     check_warned(
         &warnings,
-        &[
-            "<dynamics> of joint \"shoulder\"",
-            "damping 0.003, friction 0.2",
-        ],
+        &["<dynamics> of joint \"shoulder\"", "damping 0.003, friction 0.2"],
     );
     let options = Options {
         use_dynamics: true,
@@ -368,9 +309,7 @@ fn limits_of_urdf_1_2_are_read() {
 fn elements_that_are_not_urdf_are_passed_over() {
     let text = arm("<wheel_hub/>").replacen(
         LIMIT,
-        &format!(
-            "{LIMIT}<position_based_velocity_limits deceleration_limit='6.0'/><hardware K='x'/>"
-        ),
+        &format!("{LIMIT}<position_based_velocity_limits deceleration_limit='6.0'/><hardware K='x'/>"),
         1,
     );
     accepted(&text, &Options::default());
@@ -426,10 +365,7 @@ fn two_arms_a_head_and_wheels_give_the_chain_that_is_asked_for() {
     let (chain, warnings) = accepted(&text, &tip("right_lower"));
     let masses: Vec<f64> = chain.joints.iter().map(|joint| joint.link.mass).collect();
     assert_eq!(masses, [13.0, 2.0, 1.0]);
-    check_warned(
-        &warnings,
-        &["\"left_shoulder\" at 0.0, \"left_elbow\" at 0.0"],
-    );
+    check_warned(&warnings, &["\"left_shoulder\" at 0.0, \"left_elbow\" at 0.0"]);
 }
 
 #[test]
@@ -452,8 +388,5 @@ fn a_second_element_of_a_kind_is_warned_of() {
     let text = arm("").replacen(LIMIT, &format!("{LIMIT}<limit lower='-9' upper='9'/>"), 1);
     let (chain, warnings) = accepted(&text, &Options::default());
     assert_eq!(chain.joints[0].limits.position_upper, Some(1.0));
-    check_warned(
-        &warnings,
-        &["joint \"shoulder\"", "a second <limit> is not read"],
-    );
+    check_warned(&warnings, &["joint \"shoulder\"", "a second <limit> is not read"]);
 }

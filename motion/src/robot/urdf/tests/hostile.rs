@@ -3,9 +3,7 @@
 use proptest::prelude::*;
 
 use super::{LIMIT, arm, body, check_refused, joint, robot};
-use crate::robot::bounds::{
-    MAX_LINKS, MAX_NAME_BYTES, MAX_URDF_BYTES, MAX_XML_ATTRIBUTES, MAX_XML_DEPTH,
-};
+use crate::robot::bounds::{MAX_LINKS, MAX_NAME_BYTES, MAX_URDF_BYTES, MAX_XML_ATTRIBUTES, MAX_XML_DEPTH};
 use crate::robot::urdf::{Options, read};
 
 fn check(text: &str, parts: &[&str]) {
@@ -22,10 +20,7 @@ fn size_is_capped() {
 fn nesting_is_capped() {
     let nested = |depth: usize| arm(&("<a>".repeat(depth) + &"</a>".repeat(depth)));
     super::accepted(&nested(MAX_XML_DEPTH - 1), &Options::default());
-    check(
-        &nested(MAX_XML_DEPTH),
-        &["nested 65 deep must be at most 64"],
-    );
+    check(&nested(MAX_XML_DEPTH), &["nested 65 deep must be at most 64"]);
     check(&nested(1_000_000 / 7), &["nested 65 deep"]);
 }
 
@@ -45,10 +40,7 @@ fn attributes_are_capped() {
 #[test]
 fn namespaces_and_nodes_are_capped() {
     let many: String = (0..300).map(|i| format!("<x xmlns:n{i}='u'/>")).collect();
-    check(
-        &arm(&many),
-        &["300 namespace declarations must be at most 256"],
-    );
+    check(&arm(&many), &["300 namespace declarations must be at most 256"]);
     check(&arm(&"<x/>".repeat(450_000)), &["must be at most 400000"]);
 }
 
@@ -119,21 +111,11 @@ fn a_ring_of_mimics_is_found_once() {
             format!(
                 "{}{}",
                 body(&format!("l{i}"), 1.0),
-                joint(
-                    &format!("j{i}"),
-                    "continuous",
-                    "lower",
-                    &format!("l{i}"),
-                    &mimic
-                )
+                joint(&format!("j{i}"), "continuous", "lower", &format!("l{i}"), &mimic)
             )
         })
         .collect();
-    check_refused(
-        &arm(&links),
-        &super::tip("lower"),
-        &["mimics itself by way of others"],
-    );
+    check_refused(&arm(&links), &super::tip("lower"), &["mimics itself by way of others"]);
 }
 
 #[test]

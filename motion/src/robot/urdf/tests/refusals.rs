@@ -45,21 +45,14 @@ fn numbers_must_be_finite_and_are_named_with_their_line() {
         (
             "effort='10'",
             "effort='inf'",
-            [
-                "joint \"shoulder\" (line 5)",
-                "effort of <limit> is \"inf\"",
-            ],
+            ["joint \"shoulder\" (line 5)", "effort of <limit> is \"inf\""],
         ),
         (
             "velocity='2'",
             "velocity='fast'",
             ["joint \"shoulder\" (line 5)", "\"fast\""],
         ),
-        (
-            "velocity='2'",
-            "velocity=''",
-            ["joint \"shoulder\" (line 5)", "\"\""],
-        ),
+        ("velocity='2'", "velocity=''", ["joint \"shoulder\" (line 5)", "\"\""]),
         (
             "velocity='2'",
             "velocity='-2'",
@@ -73,10 +66,7 @@ fn numbers_must_be_finite_and_are_named_with_their_line() {
         (
             "lower='-1'",
             "lower='1.5'",
-            [
-                "joint \"shoulder\"",
-                "lower limit 1.5 must be at most upper limit 1.0",
-            ],
+            ["joint \"shoulder\"", "lower limit 1.5 must be at most upper limit 1.0"],
         ),
         (
             "<axis xyz='0 0 1'/>",
@@ -86,10 +76,7 @@ fn numbers_must_be_finite_and_are_named_with_their_line() {
         (
             "<axis xyz='0 0 1'/>",
             "<axis xyz='0 0'/>",
-            [
-                "joint \"shoulder\"",
-                "xyz of <axis> has 2 numbers, it must have 3",
-            ],
+            ["joint \"shoulder\"", "xyz of <axis> has 2 numbers, it must have 3"],
         ),
         (
             "<origin xyz='1 0 0'/>",
@@ -154,11 +141,7 @@ fn what_a_joint_lacks_is_named() {
             "<link name=''/>",
             ["<link> (line 2)", "has no name"],
         ),
-        (
-            "<mass value='2'/>",
-            "",
-            ["link \"upper\"", "<inertial> has no <mass>"],
-        ),
+        ("<mass value='2'/>", "", ["link \"upper\"", "<inertial> has no <mass>"]),
     ] {
         check(&arm("").replacen(from, to, 1), &parts);
     }
@@ -185,17 +168,11 @@ fn trees_that_are_none_are_refused() {
         &["one root", "\"a\", \"c\""],
     );
     check(
-        &with(&[
-            joint("j", "fixed", "a", "c", ""),
-            joint("k", "fixed", "b", "c", ""),
-        ]),
+        &with(&[joint("j", "fixed", "a", "c", ""), joint("k", "fixed", "b", "c", "")]),
         &["link \"c\" (line 2) has two parents: joint \"j\" (line 3) and joint \"k\" (line 4)"],
     );
     check(
-        &with(&[
-            joint("j", "fixed", "b", "c", ""),
-            joint("k", "fixed", "c", "b", ""),
-        ]),
+        &with(&[joint("j", "fixed", "b", "c", ""), joint("k", "fixed", "c", "b", "")]),
         &["closes a loop"],
     );
     check(
@@ -207,10 +184,7 @@ fn trees_that_are_none_are_refused() {
         &["no root"],
     );
     check(
-        &with(&[
-            joint("j", "fixed", "a", "b", ""),
-            joint("j", "fixed", "b", "c", ""),
-        ]),
+        &with(&[joint("j", "fixed", "a", "b", ""), joint("j", "fixed", "b", "c", "")]),
         &["joint \"j\" (line 4) has the name of the joint on line 3"],
     );
     check(
@@ -253,9 +227,6 @@ fn thirty_three_moving_joints_are_one_too_many() {
         robot(&format!("<link name='l0'/>{}", joints.collect::<String>()))
     };
     super::accepted(&links(32), &Options::default());
-    check(
-        &links(33),
-        &["33 moving joints on the chain must be at most 32"],
-    );
+    check(&links(33), &["33 moving joints on the chain must be at most 32"]);
     super::accepted(&links(33), &tip("l32"));
 }
