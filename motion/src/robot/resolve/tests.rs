@@ -400,10 +400,7 @@ fn a_dh_table_takes_its_limits_and_drives_from_entries() {
     };
     description.joints = vec![entry("j", limits, drive)];
     let resolved = description.resolve().unwrap();
-    assert_eq!(
-        resolved.warnings,
-        ["use_urdf_dynamics says nothing to a DH table"]
-    );
+    assert_eq!(resolved.warnings, ["use_urdf_dynamics says nothing to a DH table"]);
     assert_eq!(resolved.spec.joints[0].limits, limits);
     assert_eq!(resolved.spec.joints[0].drive.peak_torque, Some(900.0));
 }

@@ -27,27 +27,14 @@ impl<'m> Selection<'m, '_> {
             match moving_kind(joint.kind) {
                 None => link_from_frame = link_from_joint,
                 Some(kind) => {
-                    joints.push(joint_spec(
-                        joint,
-                        kind,
-                        link_from_joint,
-                        use_dynamics,
-                        findings,
-                    ));
+                    joints.push(joint_spec(joint, kind, link_from_joint, use_dynamics, findings));
                     link_from_frame = Isometry3::identity();
                 }
             }
             // Before the first moving joint everything stands still with the base link.
             if let Some(moving) = joints.last_mut() {
                 let link = self.tree.ends[*index].1;
-                self.fold(
-                    link,
-                    &link_from_frame,
-                    &mut moving.link,
-                    &mut hold,
-                    &mut held,
-                    findings,
-                );
+                self.fold(link, &link_from_frame, &mut moving.link, &mut hold, &mut held, findings);
             }
         }
         for joint in &joints {
@@ -87,13 +74,7 @@ impl<'m> Selection<'m, '_> {
                 held.joints.push((joint.name, position));
             }
             let body_from_child = renormalized(body_from_parent * parent_from_child);
-            self.add(
-                self.tree.ends[index].1,
-                body_from_child,
-                body,
-                &mut open,
-                findings,
-            );
+            self.add(self.tree.ends[index].1, body_from_child, body, &mut open, findings);
         }
     }
 
@@ -108,9 +89,7 @@ impl<'m> Selection<'m, '_> {
     ) {
         let model = &self.model.links[link];
         if let Some(inertial) = &model.inertial {
-            if let Some(oddity) =
-                inertial::oddity(format_args!("link {}", quoted(model.name)), inertial)
-            {
+            if let Some(oddity) = inertial::oddity(format_args!("link {}", quoted(model.name)), inertial) {
                 findings.warn(oddity);
             }
             *body = body.joined(&inertial.seen_from(&body_from_link));
@@ -124,8 +103,7 @@ impl<'m> Selection<'m, '_> {
     /// A file with values that look like friction should not be thought to be planned with.
     fn warn_of_dynamics(&self, findings: &mut Findings) {
         let joints = self.path.iter().map(|joint| &self.model.joints[*joint]);
-        let mut stated =
-            joints.filter(|joint| joint.dynamics.damping != 0.0 || joint.dynamics.friction != 0.0);
+        let mut stated = joints.filter(|joint| joint.dynamics.damping != 0.0 || joint.dynamics.friction != 0.0);
         let Some(first) = stated.next() else {
             return;
         };
@@ -205,10 +183,7 @@ fn joint_spec(
 /// `<dynamics>` as friction: damping is viscous, friction is Coulomb's, the same both ways.
 fn friction(joint: &Joint<'_>, findings: &mut Findings) -> Friction {
     let dynamics = &joint.dynamics;
-    for (name, value) in [
-        ("damping", dynamics.damping),
-        ("friction", dynamics.friction),
-    ] {
+    for (name, value) in [("damping", dynamics.damping), ("friction", dynamics.friction)] {
         if let Some(fault) = FRICTION.fault(value) {
             findings.error("urdf", format!("{joint}: {name} of <dynamics>: {fault}"));
         }

@@ -41,10 +41,7 @@ pub(super) fn model<'a>(document: &'a Document<'_>, lines: &'a Lines, findings: 
     if tag.name() != "robot" {
         findings.error(
             "urdf",
-            format!(
-                "the root element is {}, a URDF's is \"robot\"",
-                quoted(tag.name())
-            ),
+            format!("the root element is {}, a URDF's is \"robot\"", quoted(tag.name())),
         );
         return None;
     }

@@ -91,12 +91,7 @@ fn check_same(actual: &RobotSpec, expected: &RobotSpec) {
 fn check_pose(actual: &Isometry3<f64>, expected: &Isometry3<f64>) {
     assert_eq!(actual.translation, expected.translation);
     assert!(
-        actual
-            .rotation
-            .rotation_to(&expected.rotation)
-            .vector()
-            .norm()
-            < TOLERANCE,
+        actual.rotation.rotation_to(&expected.rotation).vector().norm() < TOLERANCE,
         "{actual} {expected}"
     );
 }

@@ -10,10 +10,7 @@ fn check(text: &str, parts: &[&str]) {
 fn what_is_not_a_urdf_is_told_apart() {
     check("", &["urdf", "XML"]);
     check("<robot", &["urdf", "XML"]);
-    check(
-        "<robot>\n  <link name='a'>\n</robot>",
-        &["not well-formed XML", "3:"],
-    );
+    check("<robot>\n  <link name='a'>\n</robot>", &["not well-formed XML", "3:"]);
     check("<sdf version='1.6'/>", &["\"sdf\", a URDF's is \"robot\""]);
     check(
         "<!DOCTYPE robot [<!ENTITY a 'b'>]><robot>&a;</robot>",
