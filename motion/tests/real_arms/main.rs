@@ -5,8 +5,11 @@ mod arm;
 mod example;
 mod puma;
 
-use arm::{Arm, json, text};
+use takt_motion::robot::Robot;
+use takt_motion::robot::resolve::Resolved;
 use takt_motion::robot::urdf;
+
+use arm::{Arm, json, text};
 
 #[test]
 fn ur5e() {
@@ -134,4 +137,16 @@ fn the_example_scara_is_complete() {
     let resolved = example::description("scara").resolve().unwrap();
     assert_eq!(resolved.warnings.len(), 0, "{:?}", resolved.warnings);
     assert_eq!(resolved.spec.joints.len(), 4);
+}
+
+/// Each can hold itself up and accelerate, so its conventional pattern can be derived.
+#[test]
+fn the_examples_are_robots() {
+    for name in ["ur5e", "fr3", "puma560", "scara"] {
+        let Resolved { spec, warnings } = example::description(name).resolve().unwrap();
+        let robot = Robot::new(spec, warnings).unwrap();
+        for joint in 0..robot.joint_count() {
+            assert!(robot.preset(joint).is_some(), "{name}: no preset for joint {joint}");
+        }
+    }
 }
