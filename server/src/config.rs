@@ -42,8 +42,6 @@ pub struct Limits {
     pub max_trajectory_points: usize,
     /// Set-points or trace points of one plan.
     pub max_setpoints: usize,
-    /// Joints of one robot.
-    pub max_joints: usize,
     /// Requests in work at once, over all connections.
     pub max_concurrent_requests: usize,
     /// Longest time for one request, and the time where the caller states none.
@@ -113,7 +111,6 @@ impl Default for Limits {
             max_states: 10_000,
             max_trajectory_points: 50_000,
             max_setpoints: 100_000,
-            max_joints: 32,
             max_concurrent_requests: 2048,
             deadline_s: 30.0,
         }
@@ -169,7 +166,6 @@ impl Config {
             ("limits.max_states", self.limits.max_states),
             ("limits.max_trajectory_points", self.limits.max_trajectory_points),
             ("limits.max_setpoints", self.limits.max_setpoints),
-            ("limits.max_joints", self.limits.max_joints),
             ("limits.max_concurrent_requests", self.limits.max_concurrent_requests),
             ("planner.threads", self.planner.threads()),
             ("planner.queue_capacity", self.planner.queue_capacity()),

@@ -18,11 +18,11 @@ use std::{
 };
 
 use futures::future::BoxFuture;
+use takt_motion::robot::Robot;
 use takt_proto::id::RobotId;
 use tokio::sync::OnceCell;
 
 use crate::{
-    arm::Arm,
     error::ServiceError,
     registry::store::{Record, Revision, RobotStore},
 };
@@ -31,7 +31,7 @@ use crate::{
 #[derive(Debug)]
 pub(crate) struct Compiled {
     pub(crate) revision: Revision,
-    pub(crate) arm: Arm,
+    pub(crate) robot: Robot,
 }
 
 /// The robots.
@@ -70,7 +70,7 @@ impl Registry {
         &self,
         id: &RobotId,
         wanted: Option<&str>,
-        compile: impl FnOnce(Record) -> BoxFuture<'a, Result<Arm, ServiceError>>,
+        compile: impl FnOnce(Record) -> BoxFuture<'a, Result<Robot, ServiceError>>,
     ) -> Result<Arc<Compiled>, ServiceError> {
         let current = self.store.current(id.as_str()).ok_or_else(|| no_robot(id))?;
         let revision = match wanted {
@@ -87,8 +87,9 @@ impl Registry {
         let compiling = cell.get_or_try_init(|| async {
             let record = self.store.read(id, &revision).await.map_err(unavailable)?;
             let record = record.ok_or_else(|| no_revision(id, &revision))?;
-            let arm = compile(record).await?;
-            Ok::<_, ServiceError>(Arc::new(Compiled { revision: Arc::clone(&revision), arm }))
+            let robot = compile(record).await?;
+            let revision = Arc::clone(&revision);
+            Ok::<_, ServiceError>(Arc::new(Compiled { revision, robot }))
         });
         compiling.await.cloned()
     }

@@ -413,13 +413,6 @@ pub fn finding_on_description(mut invalid: Invalid, wire: &v1::RobotDescription)
         invalid.path = format!("joints[{index}].drive.friction{entry}{below}");
         return invalid;
     }
-    let renamed = [
-        ("drive.rotor_inertia", "drive.rotor_inertia_kg_m2"),
-        ("drive.torque_constant", "drive.torque_constant_nm_per_a"),
-    ];
-    if let Some((_, name)) = renamed.iter().find(|(name, _)| rest == *name) {
-        invalid.path = format!("joints[{index}].{name}");
-    }
     invalid
 }
 
