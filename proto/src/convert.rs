@@ -70,6 +70,15 @@ impl Findings {
         }
     }
 
+    /// Adds what a second look found, but for places where something is known to be wrong already.
+    pub fn extend(&mut self, second: Vec<Invalid>) {
+        for invalid in second {
+            if !self.found.iter().any(|known| known.path == invalid.path) {
+                self.push_invalid(invalid);
+            }
+        }
+    }
+
     /// Whether nothing is wrong.
     #[must_use]
     pub fn is_empty(&self) -> bool {

@@ -117,19 +117,20 @@ pub(crate) fn decode<M: Message + Default>(bytes: &[u8]) -> Result<M, ServiceErr
 
 fn compile(wire: &v1::RobotDescription, mut findings: Findings) -> Result<Robot, Vec<Invalid>> {
     let at = Path::Root.field("description");
-    let description = convert::robot::description(wire, at, &mut findings);
     let below = |invalid: Invalid| invalid.below("description");
-    let Some(description) = description else {
+    let Some(description) = convert::robot::description(wire, at, &mut findings) else {
         return Err(findings.into_list());
     };
-    if !findings.is_empty() {
-        return Err(findings.into_list());
-    }
-    let resolved = description.resolve().map_err(|list| {
-        let list = list.into_iter();
-        let list = list.map(|invalid| below(convert::robot::finding_on_description(invalid, wire)));
-        list.collect::<Vec<_>>()
-    })?;
+    // Also where something is wrong already: the caller sees everything at once.
+    let resolved = match description.resolve() {
+        Ok(resolved) => findings.finish(resolved)?,
+        Err(list) => {
+            let list = list.into_iter();
+            let list = list.map(|invalid| below(convert::robot::finding_on_description(invalid, wire)));
+            findings.extend(list.collect());
+            return Err(findings.into_list());
+        }
+    };
     let spec = resolved.spec.clone();
     Robot::new(resolved.spec, resolved.warnings).map_err(|list| {
         let list = list.into_iter();
@@ -165,6 +166,9 @@ pub(crate) fn plan_move(
     }
     let spec = robot.as_ref().map(|robot| robot.robot.spec());
     let request = convert::plan::move_request(request, spec, &mut findings);
+    if let Some(robot) = robot.as_deref().filter(|_| !findings.is_empty()) {
+        add_domain_findings(&mut findings, plan::plan_move(&robot.robot, &request, &no_time()).err());
+    }
     let (robot, request) = checked(findings, robot, request)?;
     let outcome = plan::plan_move(&robot.robot, &request, budget).map_err(|failure| failed(failure, deadline))?;
     check_setpoints(&outcome, limits)?;
@@ -173,6 +177,18 @@ pub(crate) fn plan_move(
         outcome: Some(convert::plan::outcome_to_wire(outcome, robot.robot.spec())),
         provenance: Some(provenance(&robot.revision, hash)),
     })
+}
+
+/// A budget that has ended: enough for a request to be looked at, and for nothing to be computed.
+fn no_time() -> Budget<'static> {
+    Budget::until(&|| true)
+}
+
+/// Where the request is wrong already, what else the planner finds wrong with it: the caller sees everything at once.
+fn add_domain_findings(findings: &mut Findings, failure: Option<plan::Failure>) {
+    if let Some(plan::Failure::Invalid(list)) = failure {
+        findings.extend(list);
+    }
 }
 
 fn outcome_name(outcome: &MoveOutcome) -> &'static str {
@@ -223,6 +239,9 @@ pub(crate) fn check_trajectory(
     }
     let spec = robot.as_ref().map(|robot| robot.robot.spec());
     let request = convert::plan::check_request(request, spec, &mut findings);
+    if let Some(robot) = robot.as_deref().filter(|_| !findings.is_empty()) {
+        add_domain_findings(&mut findings, plan::check_trajectory(&robot.robot, &request, &no_time()).err());
+    }
     let (robot, request) = checked(findings, robot, request)?;
     let report =
         plan::check_trajectory(&robot.robot, &request, budget).map_err(|failure| failed(failure, deadline))?;

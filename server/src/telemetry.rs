@@ -37,7 +37,10 @@ pub fn init(format: LogFormat, directives: &str) -> Result<(), TelemetryError> {
     let registry = tracing_subscriber::registry().with(filter);
     let done = match format {
         LogFormat::Text => registry.with(layer).try_init(),
-        LogFormat::Json => registry.with(layer.json().flatten_event(true)).try_init(),
+        LogFormat::Json => {
+            let layer = layer.json().flatten_event(true).with_span_list(false);
+            registry.with(layer).try_init()
+        }
     };
     done.map_err(|error| TelemetryError(error.to_string()))
 }

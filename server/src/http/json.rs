@@ -139,7 +139,13 @@ fn parse<T: DeserializeOwned>(body: &[u8]) -> Result<T, ServiceError> {
         let message = "the body is empty, it must be a JSON object";
         return Err(ServiceError::new(ErrorCode::InvalidRequest, message));
     }
-    serde_json::from_slice(body).map_err(|error| ServiceError::invalid(vec![located::<T>(body, &error)]))
+    serde_json::from_slice(body).map_err(|error| {
+        let invalid = located::<T>(body, &error);
+        if invalid.path.is_empty() {
+            return ServiceError::new(ErrorCode::InvalidRequest, invalid.message);
+        }
+        ServiceError::invalid(vec![invalid])
+    })
 }
 
 /// Where the body cannot be read: read again, noting the way.
