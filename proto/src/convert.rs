@@ -15,9 +15,9 @@ pub enum Path<'a> {
     /// The message itself.
     Root,
     /// A field of a message.
-    Field(&'a Path<'a>, &'static str),
+    Field(&'a Self, &'static str),
     /// An entry of a list.
-    Index(&'a Path<'a>, usize),
+    Index(&'a Self, usize),
 }
 
 impl<'a> Path<'a> {
@@ -157,12 +157,7 @@ impl Findings {
     }
 
     /// A number of an enum: known and specified. The names go into the message.
-    pub fn enumerated<E: TryFrom<i32>>(
-        &mut self,
-        path: Path<'_>,
-        value: i32,
-        names: &'static str,
-    ) -> Option<E> {
+    pub fn enumerated<E: TryFrom<i32>>(&mut self, path: Path<'_>, value: i32, names: &'static str) -> Option<E> {
         if value == 0 {
             self.push(path, format!("must be one of {names}"));
             return None;

@@ -75,9 +75,9 @@ impl Edge {
         let span = span(&request, is_grpc, &id);
         let handling = AssertUnwindSafe(self.admit(request, is_grpc, started)).catch_unwind();
         let answered = async {
-            let mut response = handling.await.unwrap_or_else(|panic| {
-                refuse(&panicked(panic.as_ref()), is_grpc)
-            });
+            let mut response = handling
+                .await
+                .unwrap_or_else(|panic| refuse(&panicked(panic.as_ref()), is_grpc));
             response.headers_mut().insert(REQUEST_ID, id);
             let elapsed_us = u64::try_from(started.elapsed().as_micros()).unwrap_or(u64::MAX);
             tracing::info!(status = response.status().as_u16(), elapsed_us, "request");
@@ -92,7 +92,15 @@ impl Edge {
 
     async fn admit(&self, mut request: Request<Incoming>, is_grpc: bool, now: Instant) -> Response<Body> {
         if is_probe(request.uri().path()) {
-            return self.dispatch(request, Call { deadline: now + Duration::from_secs(5) }, is_grpc).await;
+            return self
+                .dispatch(
+                    request,
+                    Call {
+                        deadline: now + Duration::from_secs(5),
+                    },
+                    is_grpc,
+                )
+                .await;
         }
         let deadline = match limits::deadline(request.headers(), is_grpc, &self.limits, now) {
             Ok(deadline) => deadline,

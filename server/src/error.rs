@@ -33,7 +33,10 @@ impl ServiceError {
     }
 
     pub(crate) fn deadline() -> Self {
-        Self::new(ErrorCode::DeadlineExceeded, "the deadline passed before the answer was ready")
+        Self::new(
+            ErrorCode::DeadlineExceeded,
+            "the deadline passed before the answer was ready",
+        )
     }
 
     /// The same with its cause, for the log.

@@ -5,11 +5,7 @@ use takt_proto::{id::RobotId, v1};
 use crate::{
     compute,
     error::ServiceError,
-    registry::{
-        Registry,
-        store::StoreError,
-        unavailable,
-    },
+    registry::{Registry, store::StoreError, unavailable},
 };
 
 /// Ids and descriptions, as JSON.

@@ -81,19 +81,27 @@ impl Http {
             Rpc::ListRevisions => self.list_revisions(&request, id).await,
             Rpc::PlanMove => {
                 let message: v1::PlanMoveRequest = self.json.read_for(request, id, call).await?;
-                self.json.write(self.service.plan_move(call, message).await?, call).await
+                self.json
+                    .write(self.service.plan_move(call, message).await?, call)
+                    .await
             }
             Rpc::CheckTrajectory => {
                 let message: v1::CheckTrajectoryRequest = self.json.read_for(request, id, call).await?;
-                self.json.write(self.service.check_trajectory(call, message).await?, call).await
+                self.json
+                    .write(self.service.check_trajectory(call, message).await?, call)
+                    .await
             }
             Rpc::InverseDynamics => {
                 let message: v1::InverseDynamicsRequest = self.json.read_for(request, id, call).await?;
-                self.json.write(self.service.inverse_dynamics(call, message).await?, call).await
+                self.json
+                    .write(self.service.inverse_dynamics(call, message).await?, call)
+                    .await
             }
             Rpc::ForwardKinematics => {
                 let message: v1::ForwardKinematicsRequest = self.json.read_for(request, id, call).await?;
-                self.json.write(self.service.forward_kinematics(call, message).await?, call).await
+                self.json
+                    .write(self.service.forward_kinematics(call, message).await?, call)
+                    .await
             }
         }
     }
@@ -127,7 +135,9 @@ pub(crate) fn refuse(error: &Error) -> Response<Body> {
 pub(crate) fn body_response(status: StatusCode, kind: &'static str, body: Bytes) -> Response<Body> {
     let mut response = Response::new(Body::new(Full::new(body)));
     *response.status_mut() = status;
-    response.headers_mut().insert(header::CONTENT_TYPE, HeaderValue::from_static(kind));
+    response
+        .headers_mut()
+        .insert(header::CONTENT_TYPE, HeaderValue::from_static(kind));
     response
 }
 

@@ -63,7 +63,11 @@ const DESCRIPTION: &str = "Register an arm once, then ask for motions: every pla
 /// Paths that are no RPC.
 const PAGES: [(&str, &str, &str); 4] = [
     ("/healthz", "The process lives", "text/plain"),
-    ("/readyz", "The service takes requests; 503 while it stops", "text/plain"),
+    (
+        "/readyz",
+        "The service takes requests; 503 while it stops",
+        "text/plain",
+    ),
     ("/openapi.json", "This document", "application/json"),
     ("/docs", "This document to read and to try", "text/html"),
 ];
@@ -130,7 +134,8 @@ fn responses(route: &Route, output: &str) -> Value {
         "description": "The answer", "content": {"application/json": {"schema": reference(output)}},
     });
     if matches!(route.rpc, Rpc::RegisterRobot | Rpc::GetRobot) {
-        found["headers"] = json!({"ETag": {"description": "The revision, in double quotes", "schema": {"type": "string"}}});
+        found["headers"] =
+            json!({"ETag": {"description": "The revision, in double quotes", "schema": {"type": "string"}}});
     }
     let mut responses = json!({"200": found, "default": {"$ref": "#/components/responses/Error"}});
     if route.rpc == Rpc::GetRobot {
@@ -191,7 +196,10 @@ mod tests {
         for route in ROUTES {
             let operation = &document["paths"][route.path][route.method.as_str().to_ascii_lowercase()];
             assert_eq!(operation["operationId"], route.rpc.name());
-            assert!(operation["summary"].as_str().is_some_and(|text| !text.is_empty()), "{route:?}");
+            assert!(
+                operation["summary"].as_str().is_some_and(|text| !text.is_empty()),
+                "{route:?}"
+            );
         }
         let text = document.to_string();
         for part in text.split("\"$ref\":\"#/components/schemas/").skip(1) {

@@ -53,8 +53,12 @@ impl<'a> Schema<'a> {
         let ours = files.file.iter().filter(|file| file.package() == PACKAGE);
         let files = ours.map(|descriptor| {
             let locations = descriptor.source_code_info.iter().flat_map(|info| &info.location);
-            let comments = locations.filter_map(|location| Some((location.path.as_slice(), location.leading_comments.as_deref()?)));
-            File { descriptor, comments: comments.collect() }
+            let comments = locations
+                .filter_map(|location| Some((location.path.as_slice(), location.leading_comments.as_deref()?)));
+            File {
+                descriptor,
+                comments: comments.collect(),
+            }
         });
         Self { files: files.collect() }
     }
@@ -101,7 +105,11 @@ impl<'a> Schema<'a> {
                     let text = file.comment(&[number::FILE_SERVICE, index, number::SERVICE_METHOD, place]);
                     let (summary, description) = summarized(&text);
                     found.service = service.name().to_owned();
-                    found.summary = if summary.is_empty() { method.name().to_owned() } else { summary };
+                    found.summary = if summary.is_empty() {
+                        method.name().to_owned()
+                    } else {
+                        summary
+                    };
                     found.description = description;
                     found.input = component_name(method.input_type());
                     found.output = component_name(method.output_type());
@@ -152,10 +160,20 @@ impl File<'_> {
         components.insert(name.clone(), described(schema, self.comment(path)));
         let parent = format!("{name}.");
         for (index, nested) in enumerated(&message.nested_type) {
-            self.add_message(components, &parent, nested, &[path, &[number::MESSAGE_NESTED, index]].concat());
+            self.add_message(
+                components,
+                &parent,
+                nested,
+                &[path, &[number::MESSAGE_NESTED, index]].concat(),
+            );
         }
         for (index, nested) in enumerated(&message.enum_type) {
-            self.add_enum(components, &parent, nested, &[path, &[number::MESSAGE_ENUM, index]].concat());
+            self.add_enum(
+                components,
+                &parent,
+                nested,
+                &[path, &[number::MESSAGE_ENUM, index]].concat(),
+            );
         }
     }
 
@@ -201,7 +219,10 @@ fn summarized(text: &str) -> (String, Option<String>) {
 /// `.takt.v1.DhTable.Convention` → `DhTable.Convention`.
 fn component_name(full: &str) -> String {
     let name = full.trim_start_matches('.');
-    name.strip_prefix(PACKAGE).unwrap_or(name).trim_start_matches('.').to_owned()
+    name.strip_prefix(PACKAGE)
+        .unwrap_or(name)
+        .trim_start_matches('.')
+        .to_owned()
 }
 
 fn kind(field: &FieldDescriptorProto) -> Value {
