@@ -417,6 +417,33 @@ mod tests {
         }
     }
 
+    /// `docs/errors.md` shows the table; `TAKT_UPDATE=1` writes it again.
+    #[test]
+    fn the_documented_table_is_this_one() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/errors.md");
+        let mut text = String::from(HEAD);
+        for row in TABLE {
+            let retry = match row.retry {
+                Retry::No => "no",
+                Retry::AfterReading => "after reading the current revision again",
+                Retry::AfterDelay => "after the delay that it states",
+                Retry::WithMoreTime => "with more time",
+            };
+            text.push_str(&format!("| {:?} | {} | {} | {retry} |\n", row.code, row.name, row.http));
+        }
+        if std::env::var_os("TAKT_UPDATE").is_some() {
+            std::fs::write(path, &text).unwrap();
+        }
+        assert_eq!(std::fs::read_to_string(path).unwrap(), text);
+    }
+
+    const HEAD: &str = "# Errors\n\n\
+        A refusal is a `google.rpc.Status` on either protocol: in the trailers over gRPC, as `{\"error\": {code, status,\n\
+        message, details}}` over HTTP. `details` holds `google.rpc.BadRequest` (every violation, with the path of its\n\
+        field), `RetryInfo` and `ErrorInfo` (domain `takt`). A motion that cannot be is no error: it is the outcome\n\
+        `infeasible`, with its evidence.\n\n\
+        | code | gRPC | HTTP | try again |\n|---|---|---|---|\n";
+
     #[test]
     fn json_has_the_form_of_a_status() {
         let json = examples()[1].to_json();
