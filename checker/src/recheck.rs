@@ -127,7 +127,7 @@ impl Checker {
             self.sweep(planned, duration, grid, &mut report);
             self.hold(planned, duration, &mut report);
             for (joint, tau) in report.joints.iter_mut().zip(&self.sample.tau) {
-                joint.holding_torque = *tau;
+                joint.holding_at_end = *tau;
             }
         }
         for (joint, bounds) in report.joints.iter_mut().zip(bounds) {
@@ -222,10 +222,17 @@ impl Checker {
         for list in [&mut sample.qd, &mut sample.qdd, &mut sample.direction] {
             list.fill(0.0);
         }
-        self.evaluate(time, report);
+        self.compute_torque(report);
+        let at_rest = report.duration == 0.0;
+        for (found, tau) in report.joints.iter_mut().zip(&self.sample.tau) {
+            found.holding.offer(*tau, time);
+            if at_rest {
+                found.torque.offer(*tau, time);
+            }
+        }
     }
 
-    fn evaluate(&mut self, time: f64, report: &mut Report) {
+    fn compute_torque(&mut self, report: &mut Report) {
         let sample = &mut self.sample;
         self.arm.drive_torque(
             &mut self.workspace,
@@ -236,6 +243,11 @@ impl Checker {
             &mut sample.tau,
         );
         report.sample_count += 1;
+    }
+
+    fn evaluate(&mut self, time: f64, report: &mut Report) {
+        self.compute_torque(report);
+        let sample = &self.sample;
         for (joint, found) in report.joints.iter_mut().enumerate() {
             let (qdd, direction) = (sample.qdd[joint], sample.direction[joint]);
             found.torque.offer(sample.tau[joint], time);
