@@ -175,7 +175,7 @@ impl Checker {
         }
     }
 
-    /// Collects the times at which any joint switches, sorted, those closer than [`tolerance::SWITCHING`] as one.
+    /// Collects the times at which any joint switches, sorted, those closer than the tolerances say as one.
     fn find_switchings(&mut self, patterns: &[Pattern], duration: f64) {
         self.switchings.clear();
         if duration == 0.0 {
@@ -189,7 +189,12 @@ impl Checker {
             self.switchings.extend([cruise_from, brake_from, end]);
         }
         self.switchings.sort_by(f64::total_cmp);
-        let closest = tolerance::SWITCHING * duration;
+        let shortest_ramp = patterns
+            .iter()
+            .flat_map(|pattern| [pattern.acceleration_time, pattern.deceleration_time])
+            .filter(|time| *time > 0.0)
+            .fold(duration, f64::min);
+        let closest = (tolerance::SWITCHING * duration).min(tolerance::SWITCHING_OF_RAMP * shortest_ramp);
         self.switchings.dedup_by(|later, earlier| *later - *earlier <= closest);
     }
 

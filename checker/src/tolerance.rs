@@ -21,6 +21,10 @@ pub const ARRIVAL: f64 = 2e-12;
 /// displacement. Pinned by `tests/recheck.rs`.
 pub const SWITCHING: f64 = 1e-7;
 
+/// The same as a part of the shortest time in which any joint speeds up or slows down: no such time may be lost among
+/// the switching times of others. Pinned by `tests/recheck.rs`.
+pub const SWITCHING_OF_RAMP: f64 = 1e-3;
+
 /// Patterns whose squared durations differ by less than this part take the same time, in the end-pose method: the
 /// difference under the root of eq 94 is rounding, and its root would be a cruise.
 pub const SAME_TIME: f64 = 1e-12;

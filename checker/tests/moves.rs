@@ -32,7 +32,7 @@ const CLAIMS: f64 = 1e-4;
 const AGREEMENT: f64 = 1e-6;
 
 /// The same for the peak power, which the planner does not refine beyond its own samples.
-const POWER_CLAIMS: f64 = 0.02;
+const POWER_CLAIMS: f64 = 0.05;
 
 struct Trial {
     robot: Robot,

@@ -256,6 +256,22 @@ fn switching_times_apart_by_a_rounding_are_one() {
 }
 
 #[test]
+fn shortest_of_ramps_is_not_lost() {
+    // 1e-8 of the duration, and 2·(10 + 1e6) N.
+    let sudden = Pattern {
+        displacement: 0.015,
+        peak_velocity: 0.01,
+        acceleration: 1e6,
+        deceleration: 1e6,
+        acceleration_time: 1e-8,
+        cruise_time: 1.5 - 1e-8,
+        deceleration_time: 1e-8,
+    };
+    let report = report_on(&two_lifts(), &[Pattern::default(), sudden], &[0.25, 1.015]);
+    assert_eq!(report.joints[1].torque.value, 2.0 * (10.0 + 1e6));
+}
+
+#[test]
 fn numbers_that_are_none_exceed_every_limit() {
     let report = check(|spec, _| spec.joints[0].link.mass = f64::NAN);
     assert!(!report.holds(f64::MAX));
