@@ -11,6 +11,7 @@ pub mod resolve;
 pub(crate) mod rotation;
 pub mod spec;
 pub mod urdf;
+pub mod urdf_writer;
 
 use std::sync::Arc;
 
