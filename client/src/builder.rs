@@ -144,16 +144,11 @@ fn endpoint(url: &str) -> Result<Endpoint, Error> {
     match uri.scheme_str() {
         Some("http") => {}
         Some("https") => {
-            return Err(wrong(
-                "asks for TLS, which this client does not speak yet; use http://",
-            ));
+            return Err(wrong("asks for TLS, which this client does not speak yet; use http://"));
         }
         _ => return Err(wrong("must begin with http://")),
     }
-    if uri
-        .authority()
-        .is_none_or(|authority| authority.host().is_empty())
-    {
+    if uri.authority().is_none_or(|authority| authority.host().is_empty()) {
         return Err(wrong("names no host"));
     }
     if uri.path() != "/" || uri.query().is_some() {

@@ -54,30 +54,19 @@ pub(crate) struct Endpoint {
 
 impl Endpoint {
     fn failed_lately(&self) -> bool {
-        let failed_at = *self
-            .failed_at
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
+        let failed_at = *self.failed_at.lock().unwrap_or_else(PoisonError::into_inner);
         failed_at.is_some_and(|at| at.elapsed() < AVOID_AFTER_FAILURE)
     }
 
     fn set_failed(&self, failed: bool) {
         let at = failed.then(Instant::now);
-        *self
-            .failed_at
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner) = at;
+        *self.failed_at.lock().unwrap_or_else(PoisonError::into_inner) = at;
     }
 }
 
 impl fmt::Debug for Client {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let endpoints: Vec<_> = self
-            .shared
-            .endpoints
-            .iter()
-            .map(|endpoint| &endpoint.name)
-            .collect();
+        let endpoints: Vec<_> = self.shared.endpoints.iter().map(|endpoint| &endpoint.name).collect();
         f.debug_struct("Client")
             .field("endpoints", &endpoints)
             .field("transport", &self.shared.transport)
@@ -156,24 +145,13 @@ impl Client {
             let endpoint = &shared.endpoints[index];
             let most = shared.max_reply_bytes;
             let result = match shared.transport {
-                Transport::Grpc => {
-                    grpc::send::<R>(&shared.pool, &endpoint.uri, request.clone(), left, most).await
-                }
-                Transport::Http => {
-                    http_json::send::<R>(&shared.pool, &endpoint.uri, request, left, most).await
-                }
+                Transport::Grpc => grpc::send::<R>(&shared.pool, &endpoint.uri, request.clone(), left, most).await,
+                Transport::Http => http_json::send::<R>(&shared.pool, &endpoint.uri, request, left, most).await,
             };
             endpoint.set_failed(matches!(&result, Err(error) if error.code() == Code::Unavailable));
             result.map_err(|error| error.at(&endpoint.name))
         };
-        let result = retry::run(
-            &shared.retry,
-            R::safety(request),
-            self.deadline,
-            &order,
-            attempt,
-        )
-        .await;
+        let result = retry::run(&shared.retry, R::safety(request), self.deadline, &order, attempt).await;
         result.map_err(|error| {
             if !error.endpoint().is_empty() {
                 return error;

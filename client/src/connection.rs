@@ -57,7 +57,7 @@ pub(crate) fn http1(connect_timeout: Duration) -> Pool {
 }
 
 /// The value of the header `grpc-timeout`: at most eight digits and a unit.
-pub(crate) fn timeout_header(left: Duration) -> String {
+pub(crate) fn grpc_timeout(left: Duration) -> String {
     const MOST: u128 = 99_999_999;
     if left.as_micros() <= MOST {
         format!("{}u", left.as_micros())
@@ -66,6 +66,11 @@ pub(crate) fn timeout_header(left: Duration) -> String {
     } else {
         format!("{}S", u128::from(left.as_secs()).min(MOST))
     }
+}
+
+/// The same for HTTP: seconds.
+pub(crate) fn request_timeout(left: Duration) -> String {
+    format!("{:.6}", left.as_secs_f64())
 }
 
 /// A sentence for a failed exchange, and whether the request certainly never left.
@@ -95,13 +100,10 @@ mod tests {
 
     #[test]
     fn timeouts_have_at_most_eight_digits() {
-        assert_eq!(timeout_header(Duration::from_millis(1500)), "1500000u");
-        assert_eq!(
-            timeout_header(Duration::from_micros(99_999_999)),
-            "99999999u"
-        );
-        assert_eq!(timeout_header(Duration::from_secs(100)), "100000m");
-        assert_eq!(timeout_header(Duration::from_secs(100_000)), "100000S");
-        assert_eq!(timeout_header(Duration::MAX), "99999999S");
+        assert_eq!(grpc_timeout(Duration::from_millis(1500)), "1500000u");
+        assert_eq!(grpc_timeout(Duration::from_micros(99_999_999)), "99999999u");
+        assert_eq!(grpc_timeout(Duration::from_secs(100)), "100000m");
+        assert_eq!(grpc_timeout(Duration::from_secs(100_000)), "100000S");
+        assert_eq!(grpc_timeout(Duration::MAX), "99999999S");
     }
 }

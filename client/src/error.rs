@@ -2,6 +2,10 @@
 
 use std::{collections::BTreeMap, fmt, sync::Arc, time::Duration};
 
+/// What went wrong, finely: the service's own table, the same on both transports.
+pub use takt_proto::error::ErrorCode as Code;
+use takt_proto::error::{self as wire, Retry};
+
 /// What went wrong, coarsely: whom to turn to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ErrorKind {
@@ -15,81 +19,19 @@ pub enum ErrorKind {
     Deadline,
 }
 
-/// What went wrong, finely: the same on both transports.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Code {
-    /// The request breaks the schema or a rule; see [`Error::violations`].
-    InvalidRequest,
-    /// The server wants to know who asks.
-    Unauthenticated,
-    /// The caller may not do this.
-    Forbidden,
-    /// There is no such robot or revision.
-    NotFound,
-    /// The expected revision is not the current one.
-    Conflict,
-    /// The request or the reply is over a size limit.
-    TooLarge,
-    /// Too much to do at the moment.
-    Overloaded,
-    /// The deadline passed.
-    DeadlineExceeded,
-    /// Not reachable, starting, or stopping.
-    Unavailable,
-    /// A fault of the service.
-    Internal,
-}
-
-impl Code {
-    /// The code of a gRPC status; codes that Takt does not use are [`Code::Internal`].
-    pub(crate) fn from_grpc(code: i32) -> Self {
-        match code {
-            3 => Self::InvalidRequest,
-            4 => Self::DeadlineExceeded,
-            5 => Self::NotFound,
-            7 => Self::Forbidden,
-            8 => Self::Overloaded,
-            10 => Self::Conflict,
-            11 => Self::TooLarge,
-            14 => Self::Unavailable,
-            16 => Self::Unauthenticated,
-            _ => Self::Internal,
-        }
-    }
-
-    /// The code of an HTTP status, where the body does not say.
-    pub(crate) fn from_http(status: u16) -> Self {
-        match status {
-            400 => Self::InvalidRequest,
-            401 => Self::Unauthenticated,
-            403 => Self::Forbidden,
-            404 => Self::NotFound,
-            409 => Self::Conflict,
-            413 => Self::TooLarge,
-            429 => Self::Overloaded,
-            502 | 503 => Self::Unavailable,
-            504 => Self::DeadlineExceeded,
-            _ => Self::Internal,
-        }
-    }
-
-    /// The kind that an answer with this code has.
-    fn kind(self) -> ErrorKind {
-        match self {
-            Self::InvalidRequest
-            | Self::Unauthenticated
-            | Self::Forbidden
-            | Self::NotFound
-            | Self::Conflict
-            | Self::TooLarge => ErrorKind::Refused,
-            Self::Overloaded | Self::Unavailable | Self::Internal => ErrorKind::Service,
-            Self::DeadlineExceeded => ErrorKind::Deadline,
-        }
-    }
-
-    /// Whether the same request may succeed a little later.
-    fn is_transient(self) -> bool {
-        matches!(self, Self::Overloaded | Self::Unavailable)
+/// The kind that an answer with this code has.
+fn kind_of(code: Code) -> ErrorKind {
+    match code {
+        Code::InvalidRequest
+        | Code::Unauthenticated
+        | Code::Forbidden
+        | Code::NotFound
+        | Code::MethodNotAllowed
+        | Code::Unimplemented
+        | Code::Conflict
+        | Code::TooLarge => ErrorKind::Refused,
+        Code::Overloaded | Code::Cancelled | Code::Unavailable | Code::Internal => ErrorKind::Service,
+        Code::DeadlineExceeded => ErrorKind::Deadline,
     }
 }
 
@@ -115,6 +57,7 @@ struct Inner {
     message: String,
     violations: Vec<FieldViolation>,
     details: BTreeMap<String, String>,
+    reason: String,
     retry_after: Option<Duration>,
     endpoint: String,
     tries: u32,
@@ -153,10 +96,16 @@ impl Error {
         &self.0.details
     }
 
+    /// A constant for programs, such as `REVISION_MISMATCH`; empty where the server gave none.
+    #[must_use]
+    pub fn reason(&self) -> &str {
+        &self.0.reason
+    }
+
     /// Whether the same call may succeed a little later. The client's own tries are used up by then.
     #[must_use]
     pub fn retryable(&self) -> bool {
-        self.0.kind == ErrorKind::Transport || self.0.code.is_transient()
+        self.0.kind == ErrorKind::Transport || self.0.code.row().retry == Retry::AfterDelay
     }
 
     /// How long the server asks to wait before the next try.
@@ -184,6 +133,7 @@ impl Error {
             message: message.into(),
             violations: Vec::new(),
             details: BTreeMap::new(),
+            reason: String::new(),
             retry_after: None,
             endpoint: String::new(),
             tries: 0,
@@ -194,7 +144,24 @@ impl Error {
 
     /// The service answered with an error.
     pub(crate) fn answered(code: Code, message: impl Into<String>) -> Self {
-        Self::new(code.kind(), code, message)
+        Self::new(kind_of(code), code, message)
+    }
+
+    /// The service answered with an error in its own form.
+    pub(crate) fn from_wire(error: wire::Error) -> Self {
+        let mut read = Self::answered(error.code, error.message);
+        read.0.violations = error
+            .violations
+            .into_iter()
+            .map(|violation| FieldViolation {
+                field: violation.path,
+                description: violation.message,
+            })
+            .collect();
+        read.0.details = error.metadata.into_iter().collect();
+        read.0.reason = error.reason;
+        read.0.retry_after = error.retry_after;
+        read
     }
 
     /// The caller's own mistake, found before anything was sent.
@@ -235,11 +202,6 @@ impl Error {
 
     pub(crate) fn with_violations(mut self, violations: Vec<FieldViolation>) -> Self {
         self.0.violations = violations;
-        self
-    }
-
-    pub(crate) fn with_details(mut self, details: BTreeMap<String, String>) -> Self {
-        self.0.details = details;
         self
     }
 

@@ -3,18 +3,18 @@
 use std::{error::Error as _, time::Duration};
 
 use http::{Uri, uri::PathAndQuery};
+use takt_proto::error as wire;
 use tonic::{
     Request, Status,
     client::Grpc,
     metadata::{Ascii, MetadataValue},
 };
 use tonic_prost::ProstCodec;
-use tonic_types::StatusExt;
 
 use crate::{
     connection::{self, Pool},
-    error::{Code, Error, FieldViolation},
-    rpc::Rpc,
+    error::Error,
+    rpc::{self, Rpc},
 };
 
 /// Sends one request to one endpoint.
@@ -29,11 +29,12 @@ pub(crate) async fn send<R: Rpc>(
         .max_decoding_message_size(max_reply_bytes)
         .max_encoding_message_size(usize::MAX);
     let mut request = Request::new(request);
-    if let Ok(value) = MetadataValue::<Ascii>::try_from(connection::timeout_header(left)) {
+    if let Ok(value) = MetadataValue::<Ascii>::try_from(connection::grpc_timeout(left)) {
         request.metadata_mut().insert("grpc-timeout", value);
     }
     grpc.ready().await.map_err(|error| broken(&error))?;
-    let path = PathAndQuery::from_static(R::GRPC_PATH);
+    let path =
+        PathAndQuery::try_from(rpc::grpc_path::<R>()).map_err(|error| Error::refused("request", error.to_string()))?;
     let codec = ProstCodec::<R::Request, R::Response>::default();
     match grpc.unary(request, path, codec).await {
         Ok(reply) => Ok(reply.into_inner()),
@@ -52,27 +53,9 @@ fn from_status(status: &Status) -> Error {
     if let Some(source) = status.source() {
         return broken(source);
     }
-    let details = status.get_error_details();
-    let violations = details.bad_request().map_or_else(Vec::new, |bad| {
-        bad.field_violations
-            .iter()
-            .map(|violation| FieldViolation {
-                field: violation.field.clone(),
-                description: violation.description.clone(),
-            })
-            .collect()
-    });
-    let retry_after = details.retry_info().and_then(|info| info.retry_delay);
-    let more = details
-        .error_info()
-        .map(|info| info.metadata.clone().into_iter().collect())
-        .unwrap_or_default();
-    let message = match status.message() {
-        "" => status.code().description(),
-        message => message,
-    };
-    Error::answered(Code::from_grpc(i32::from(status.code())), message)
-        .with_violations(violations)
-        .with_retry_after(retry_after)
-        .with_details(more)
+    let mut error = wire::Error::from_status(status);
+    if error.message.is_empty() {
+        status.code().description().clone_into(&mut error.message);
+    }
+    Error::from_wire(error)
 }

@@ -5,9 +5,7 @@
 
 use serde::{
     Deserializer,
-    de::{
-        DeserializeOwned, DeserializeSeed, MapAccess, SeqAccess, Visitor, value::StrDeserializer,
-    },
+    de::{DeserializeOwned, DeserializeSeed, MapAccess, SeqAccess, Visitor, value::StrDeserializer},
     forward_to_deserialize_any,
 };
 use serde_json::{Error, Map, Value};
@@ -41,9 +39,7 @@ impl<'de> Deserializer<'de> for Lenient {
         visitor: V,
     ) -> Result<V::Value, Error> {
         match self.0 {
-            Value::Object(fields) => {
-                visitor.visit_map(Fields::of(fields, |name| known.contains(&name)))
-            }
+            Value::Object(fields) => visitor.visit_map(Fields::of(fields, |name| known.contains(&name))),
             other => Self(other).deserialize_any(visitor),
         }
     }
@@ -66,14 +62,8 @@ struct Items(std::vec::IntoIter<Value>);
 impl<'de> SeqAccess<'de> for Items {
     type Error = Error;
 
-    fn next_element_seed<T: DeserializeSeed<'de>>(
-        &mut self,
-        seed: T,
-    ) -> Result<Option<T::Value>, Error> {
-        self.0
-            .next()
-            .map(|item| seed.deserialize(Lenient(item)))
-            .transpose()
+    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Error> {
+        self.0.next().map(|item| seed.deserialize(Lenient(item))).transpose()
     }
 }
 
@@ -95,10 +85,7 @@ impl Fields {
 impl<'de> MapAccess<'de> for Fields {
     type Error = Error;
 
-    fn next_key_seed<K: DeserializeSeed<'de>>(
-        &mut self,
-        seed: K,
-    ) -> Result<Option<K::Value>, Error> {
+    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Error> {
         let Some((name, value)) = self.rest.next() else {
             return Ok(None);
         };
@@ -135,9 +122,7 @@ mod tests {
 
     #[test]
     fn what_is_wrong_stays_wrong() {
-        assert!(
-            from_slice::<v1::PlanMoveResponse>(br#"{"plan": {"duration_s": "long"}}"#).is_err()
-        );
+        assert!(from_slice::<v1::PlanMoveResponse>(br#"{"plan": {"duration_s": "long"}}"#).is_err());
         assert!(from_slice::<v1::PlanMoveResponse>(b"{").is_err());
     }
 }

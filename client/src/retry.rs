@@ -92,9 +92,8 @@ where
             Err(_) => return Err(Error::deadline(deadline, last.as_ref()).with_tries(tries)),
         };
         let error = error.with_tries(tries);
-        let again = error.retryable()
-            && (safety == Safety::Repeatable || !error.may_have_been_sent())
-            && tries < max_tries;
+        let again =
+            error.retryable() && (safety == Safety::Repeatable || !error.may_have_been_sent()) && tries < max_tries;
         if !again {
             return Err(error);
         }
@@ -171,8 +170,7 @@ mod tests {
 
     #[tokio::test(start_paused = true)]
     async fn the_endpoints_of_a_round_are_tried_without_waiting() {
-        let (_, asked, passed) =
-            failing(Safety::Repeatable, LONG, &[2, 0, 1, 4, 3], unavailable).await;
+        let (_, asked, passed) = failing(Safety::Repeatable, LONG, &[2, 0, 1, 4, 3], unavailable).await;
         assert_eq!(asked, [2, 0, 1, 4, 3]);
         assert_eq!(passed, Duration::ZERO);
     }
@@ -197,19 +195,14 @@ mod tests {
             Code::Internal,
             Code::DeadlineExceeded,
         ] {
-            let (_, asked, _) = failing(Safety::Repeatable, LONG, &[0, 1], || {
-                Error::answered(code, "no")
-            })
-            .await;
+            let (_, asked, _) = failing(Safety::Repeatable, LONG, &[0, 1], || Error::answered(code, "no")).await;
             assert_eq!(asked.len(), 1, "{code:?}");
         }
     }
 
     #[tokio::test(start_paused = true)]
     async fn the_delay_that_the_server_asks_for_is_kept() {
-        let overloaded = || {
-            Error::answered(Code::Overloaded, "full").with_retry_after(Some(Duration::from_secs(3)))
-        };
+        let overloaded = || Error::answered(Code::Overloaded, "full").with_retry_after(Some(Duration::from_secs(3)));
         let (_, asked, passed) = failing(Safety::Repeatable, LONG, &[0, 1], overloaded).await;
         assert_eq!(asked.len(), 5);
         assert!(passed >= Duration::from_secs(12), "{passed:?}");
@@ -217,11 +210,8 @@ mod tests {
 
     #[tokio::test(start_paused = true)]
     async fn no_one_waits_for_a_try_that_the_deadline_forbids() {
-        let overloaded = || {
-            Error::answered(Code::Overloaded, "full").with_retry_after(Some(Duration::from_secs(3)))
-        };
-        let (error, asked, passed) =
-            failing(Safety::Repeatable, Duration::from_secs(2), &[0], overloaded).await;
+        let overloaded = || Error::answered(Code::Overloaded, "full").with_retry_after(Some(Duration::from_secs(3)));
+        let (error, asked, passed) = failing(Safety::Repeatable, Duration::from_secs(2), &[0], overloaded).await;
         assert_eq!(asked.len(), 1);
         assert_eq!(passed, Duration::ZERO);
         assert_eq!(error.code(), Code::Overloaded);
@@ -259,16 +249,10 @@ mod tests {
     #[test]
     fn backoff_doubles_up_to_its_longest() {
         let policy = RetryPolicy::default();
-        let upper: Vec<_> = (1..8)
-            .map(|round| policy.backoff(round, 1.0).as_millis())
-            .collect();
+        let upper: Vec<_> = (1..8).map(|round| policy.backoff(round, 1.0).as_millis()).collect();
         assert_eq!(upper, [50, 100, 200, 400, 800, 1600, 2000]);
         assert_eq!(policy.backoff(u32::MAX, 1.0), Duration::from_secs(2));
         assert_eq!(policy.backoff(3, 0.0), Duration::ZERO);
-        assert!(
-            (0..1000)
-                .map(|_| random())
-                .all(|value| (0.0..1.0).contains(&value))
-        );
+        assert!((0..1000).map(|_| random()).all(|value| (0.0..1.0).contains(&value)));
     }
 }

@@ -1,8 +1,11 @@
-//! The calls: names, routes, and which of them may be repeated. Both transports read this table.
+//! The calls: which of them may be repeated, and what of a request travels in the URL. Names and URLs are the route
+//! table's, which the server reads too.
 
-use http::Method;
 use serde::{Serialize, de::DeserializeOwned};
-use takt_proto::v1;
+use takt_proto::{
+    route::{self, HttpMethod, Route},
+    v1,
+};
 
 use crate::retry::Safety;
 
@@ -10,8 +13,8 @@ use crate::retry::Safety;
 pub(crate) trait Rpc: 'static {
     type Request: prost::Message + Clone + Serialize + Default + 'static;
     type Response: prost::Message + DeserializeOwned + Default + 'static;
-    /// Path of the gRPC method.
-    const GRPC_PATH: &'static str;
+    /// Its row in the route table.
+    const RPC: route::Rpc;
 
     /// What a repetition would do.
     fn safety(_request: &Self::Request) -> Safety {
@@ -21,24 +24,55 @@ pub(crate) trait Rpc: 'static {
     /// The robot that the request is about; `None` where it is about none.
     fn robot_id(request: &Self::Request) -> Option<&str>;
 
-    /// The same call over HTTP.
-    fn route(request: &Self::Request) -> Route<Self::Request>;
+    /// The request without what is in the URL.
+    fn body(request: &Self::Request) -> Self::Request;
+
+    /// The fields of a request that travels without a body.
+    fn query(_request: &Self::Request) -> Query {
+        Vec::new()
+    }
+}
+
+/// Fields of a request by name; absent ones are left out.
+type Query = Vec<(&'static str, Option<String>)>;
+
+/// Path of the gRPC method.
+pub(crate) fn grpc_path<R: Rpc>() -> String {
+    format!("/{}/{}", Route::of(R::RPC).service, R::RPC.name())
 }
 
 /// Where a request goes over HTTP, and what of it travels in the body.
-pub(crate) struct Route<M> {
-    pub(crate) method: Method,
+pub(crate) struct HttpRoute<M> {
+    pub(crate) method: HttpMethod,
     pub(crate) path: String,
     pub(crate) body: Option<M>,
 }
 
-impl<M> Route<M> {
-    fn bare(method: Method, path: String) -> Self {
-        Self {
-            method,
+/// The same call over HTTP.
+pub(crate) fn http_route<R: Rpc>(request: &R::Request) -> HttpRoute<R::Request> {
+    let route = Route::of(R::RPC);
+    // Ids that need escaping are wrong, but it is the server that says so.
+    let mut path = route.path_for(&escape(R::robot_id(request).unwrap_or_default()));
+    if route.method.has_body() {
+        return HttpRoute {
+            method: route.method,
             path,
-            body: None,
-        }
+            body: Some(R::body(request)),
+        };
+    }
+    let given = R::query(request)
+        .into_iter()
+        .filter_map(|(name, value)| Some((name, value?)));
+    for (index, (name, value)) in given.enumerate() {
+        path.push(if index == 0 { '?' } else { '&' });
+        path.push_str(name);
+        path.push('=');
+        path.push_str(&escape(&value));
+    }
+    HttpRoute {
+        method: route.method,
+        path,
+        body: None,
     }
 }
 
@@ -55,91 +89,37 @@ fn escape(text: &str) -> String {
     out
 }
 
-fn robot_path(robot_id: &str) -> String {
-    format!("/v1/robots/{}", escape(robot_id))
-}
-
-/// A query string of the values that are there.
-fn query(pairs: &[(&str, Option<String>)]) -> String {
-    let mut out = String::new();
-    for (name, value) in pairs {
-        if let Some(value) = value {
-            out.push(if out.is_empty() { '?' } else { '&' });
-            out.push_str(name);
-            out.push('=');
-            out.push_str(&escape(value));
-        }
-    }
-    out
-}
-
-/// The calls that post a request about a robot and read the answer.
-macro_rules! verb {
-    ($name:ident, $request:ident, $response:ident, $service:literal, $method:literal, $verb:literal) => {
+/// A call about a robot; what follows the messages are the functions that differ from the usual.
+macro_rules! about_a_robot {
+    ($name:ident, $request:ident => $response:ident $(, $($rest:item)*)?) => {
         pub(crate) struct $name;
 
         impl Rpc for $name {
             type Request = v1::$request;
             type Response = v1::$response;
-            const GRPC_PATH: &'static str = concat!("/takt.v1.", $service, "/", $method);
+            const RPC: route::Rpc = route::Rpc::$name;
 
             fn robot_id(request: &Self::Request) -> Option<&str> {
                 Some(&request.robot_id)
             }
 
-            fn route(request: &Self::Request) -> Route<Self::Request> {
+            fn body(request: &Self::Request) -> Self::Request {
                 let mut body = request.clone();
                 body.robot_id.clear();
-                Route {
-                    method: Method::POST,
-                    path: format!("{}:{}", robot_path(&request.robot_id), $verb),
-                    body: Some(body),
-                }
+                body
             }
+
+            $($($rest)*)?
         }
     };
 }
 
-verb!(
-    PlanMove,
-    PlanMoveRequest,
-    PlanMoveResponse,
-    "PlanService",
-    "PlanMove",
-    "planMove"
-);
-verb!(
-    CheckTrajectory,
-    CheckTrajectoryRequest,
-    CheckTrajectoryResponse,
-    "PlanService",
-    "CheckTrajectory",
-    "checkTrajectory"
-);
-verb!(
-    InverseDynamics,
-    InverseDynamicsRequest,
-    InverseDynamicsResponse,
-    "DynamicsService",
-    "InverseDynamics",
-    "inverseDynamics"
-);
-verb!(
-    ForwardKinematics,
-    ForwardKinematicsRequest,
-    ForwardKinematicsResponse,
-    "DynamicsService",
-    "ForwardKinematics",
-    "forwardKinematics"
-);
+about_a_robot!(PlanMove, PlanMoveRequest => PlanMoveResponse);
+about_a_robot!(CheckTrajectory, CheckTrajectoryRequest => CheckTrajectoryResponse);
+about_a_robot!(InverseDynamics, InverseDynamicsRequest => InverseDynamicsResponse);
+about_a_robot!(ForwardKinematics, ForwardKinematicsRequest => ForwardKinematicsResponse);
 
-pub(crate) struct RegisterRobot;
-
-impl Rpc for RegisterRobot {
-    type Request = v1::RegisterRobotRequest;
-    type Response = v1::RegisterRobotResponse;
-    const GRPC_PATH: &'static str = "/takt.v1.RobotService/RegisterRobot";
-
+about_a_robot!(RegisterRobot, RegisterRobotRequest => RegisterRobotResponse,
     /// The same content is the same revision, so a repetition changes nothing; but with an expected revision it would
     /// meet the revision that the first execution made, and report a conflict that is none.
     fn safety(request: &Self::Request) -> Safety {
@@ -149,104 +129,57 @@ impl Rpc for RegisterRobot {
             Safety::Repeatable
         }
     }
+);
 
-    fn robot_id(request: &Self::Request) -> Option<&str> {
-        Some(&request.robot_id)
-    }
-
-    fn route(request: &Self::Request) -> Route<Self::Request> {
-        let mut body = request.clone();
-        body.robot_id.clear();
-        Route {
-            method: Method::PUT,
-            path: robot_path(&request.robot_id),
-            body: Some(body),
-        }
-    }
-}
-
-pub(crate) struct GetRobot;
-
-impl Rpc for GetRobot {
-    type Request = v1::GetRobotRequest;
-    type Response = v1::GetRobotResponse;
-    const GRPC_PATH: &'static str = "/takt.v1.RobotService/GetRobot";
-
-    fn robot_id(request: &Self::Request) -> Option<&str> {
-        Some(&request.robot_id)
-    }
-
-    fn route(request: &Self::Request) -> Route<Self::Request> {
-        let query = query(&[
+about_a_robot!(GetRobot, GetRobotRequest => GetRobotResponse,
+    fn query(request: &Self::Request) -> Query {
+        vec![
             ("revision", request.revision.clone()),
             ("as_urdf", request.as_urdf.map(|yes| yes.to_string())),
-        ]);
-        Route::bare(Method::GET, robot_path(&request.robot_id) + &query)
+        ]
     }
-}
+);
+
+about_a_robot!(ListRevisions, ListRevisionsRequest => ListRevisionsResponse,
+    fn query(request: &Self::Request) -> Query {
+        vec![
+            ("page_size", request.page_size.map(|size| size.to_string())),
+            ("page_token", request.page_token.clone()),
+        ]
+    }
+);
+
+about_a_robot!(DeleteRobot, DeleteRobotRequest => DeleteRobotResponse,
+    /// A repetition would report that there is no such robot, or delete one that came in between.
+    fn safety(_request: &Self::Request) -> Safety {
+        Safety::Once
+    }
+
+    fn query(request: &Self::Request) -> Query {
+        vec![("expected_revision", request.expected_revision.clone())]
+    }
+);
 
 pub(crate) struct ListRobots;
 
 impl Rpc for ListRobots {
     type Request = v1::ListRobotsRequest;
     type Response = v1::ListRobotsResponse;
-    const GRPC_PATH: &'static str = "/takt.v1.RobotService/ListRobots";
+    const RPC: route::Rpc = route::Rpc::ListRobots;
 
     fn robot_id(_request: &Self::Request) -> Option<&str> {
         None
     }
 
-    fn route(request: &Self::Request) -> Route<Self::Request> {
-        let query = query(&[
+    fn body(request: &Self::Request) -> Self::Request {
+        request.clone()
+    }
+
+    fn query(request: &Self::Request) -> Query {
+        vec![
             ("page_size", request.page_size.map(|size| size.to_string())),
             ("page_token", request.page_token.clone()),
-        ]);
-        Route::bare(Method::GET, format!("/v1/robots{query}"))
-    }
-}
-
-pub(crate) struct ListRevisions;
-
-impl Rpc for ListRevisions {
-    type Request = v1::ListRevisionsRequest;
-    type Response = v1::ListRevisionsResponse;
-    const GRPC_PATH: &'static str = "/takt.v1.RobotService/ListRevisions";
-
-    fn robot_id(request: &Self::Request) -> Option<&str> {
-        Some(&request.robot_id)
-    }
-
-    fn route(request: &Self::Request) -> Route<Self::Request> {
-        let query = query(&[
-            ("page_size", request.page_size.map(|size| size.to_string())),
-            ("page_token", request.page_token.clone()),
-        ]);
-        Route::bare(
-            Method::GET,
-            format!("{}:revisions{query}", robot_path(&request.robot_id)),
-        )
-    }
-}
-
-pub(crate) struct DeleteRobot;
-
-impl Rpc for DeleteRobot {
-    type Request = v1::DeleteRobotRequest;
-    type Response = v1::DeleteRobotResponse;
-    const GRPC_PATH: &'static str = "/takt.v1.RobotService/DeleteRobot";
-
-    /// A repetition would report that there is no such robot, or delete one that came in between.
-    fn safety(_request: &Self::Request) -> Safety {
-        Safety::Once
-    }
-
-    fn robot_id(request: &Self::Request) -> Option<&str> {
-        Some(&request.robot_id)
-    }
-
-    fn route(request: &Self::Request) -> Route<Self::Request> {
-        let query = query(&[("expected_revision", request.expected_revision.clone())]);
-        Route::bare(Method::DELETE, robot_path(&request.robot_id) + &query)
+        ]
     }
 }
 
@@ -256,15 +189,14 @@ mod tests {
 
     #[test]
     fn ids_and_values_are_escaped() {
-        let route = GetRobot::route(&v1::GetRobotRequest {
+        let route = http_route::<GetRobot>(&v1::GetRobotRequest {
             robot_id: "a/b:c é".to_owned(),
             revision: Some("r&1".to_owned()),
             as_urdf: Some(true),
         });
-        assert_eq!(
-            route.path,
-            "/v1/robots/a%2Fb%3Ac%20%C3%A9?revision=r%261&as_urdf=true"
-        );
+        assert_eq!(route.path, "/v1/robots/a%2Fb%3Ac%20%C3%A9?revision=r%261&as_urdf=true");
+        let all = http_route::<ListRobots>(&v1::ListRobotsRequest::default());
+        assert_eq!(all.path, "/v1/robots");
     }
 
     #[test]
@@ -273,9 +205,10 @@ mod tests {
             robot_id: "ur5e".to_owned(),
             ..Default::default()
         };
-        let route = PlanMove::route(&request);
+        let route = http_route::<PlanMove>(&request);
         assert_eq!(route.path, "/v1/robots/ur5e:planMove");
         assert_eq!(route.body.unwrap().robot_id, "");
+        assert_eq!(grpc_path::<PlanMove>(), "/takt.v1.PlanService/PlanMove");
     }
 
     #[test]
@@ -286,9 +219,6 @@ mod tests {
         assert_eq!(RegisterRobot::safety(&request), Safety::Once);
         request.validate_only = Some(true);
         assert_eq!(RegisterRobot::safety(&request), Safety::Repeatable);
-        assert_eq!(
-            DeleteRobot::safety(&v1::DeleteRobotRequest::default()),
-            Safety::Once
-        );
+        assert_eq!(DeleteRobot::safety(&v1::DeleteRobotRequest::default()), Safety::Once);
     }
 }

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
 
 use std::{
+    convert::Infallible,
     future::pending,
     sync::{
         Arc, Mutex,
@@ -11,12 +12,12 @@ use std::{
     time::Duration,
 };
 
-use axum::{
-    Router,
-    body::Bytes,
-    extract::State,
-    http::{HeaderMap, Method, StatusCode, Uri},
-    response::{IntoResponse, Response},
+use http::{Method, Request as HttpRequest, Response as HttpResponse};
+use http_body_util::{BodyExt, Full};
+use hyper_util::{
+    rt::{TokioExecutor, TokioIo},
+    server::conn::auto,
+    service::TowerToHyperService,
 };
 use takt_client::{Client, Code, ErrorKind, RetryPolicy, Transport, v1};
 use takt_proto::v1::{
@@ -24,8 +25,10 @@ use takt_proto::v1::{
     robot_service_server::{RobotService, RobotServiceServer},
 };
 use tokio::net::TcpListener;
+use tonic::body::Body;
 use tonic::{Request, Status};
 use tonic_types::{ErrorDetails, StatusExt};
+use tower::{ServiceExt, service_fn};
 
 const BOTH: [Transport; 2] = [Transport::Grpc, Transport::Http];
 
@@ -69,16 +72,9 @@ impl Fake {
         self.script[number.min(self.script.len() - 1)]
     }
 
-    async fn act<T>(
-        &self,
-        metadata: &tonic::metadata::MetadataMap,
-        answer: T,
-    ) -> Result<tonic::Response<T>, Status> {
-        let timeout = metadata
-            .get("grpc-timeout")
-            .and_then(|value| value.to_str().ok());
-        let details =
-            |code, message: &str, details| Err(Status::with_error_details(code, message, details));
+    async fn act<T>(&self, metadata: &tonic::metadata::MetadataMap, answer: T) -> Result<tonic::Response<T>, Status> {
+        let timeout = metadata.get("grpc-timeout").and_then(|value| value.to_str().ok());
+        let details = |code, message: &str, details| Err(Status::with_error_details(code, message, details));
         match self.next(timeout) {
             Act::Answer => Ok(tonic::Response::new(answer)),
             Act::Unavailable => Err(Status::unavailable("starting")),
@@ -95,11 +91,7 @@ impl Fake {
             Act::Conflict => details(
                 tonic::Code::Aborted,
                 "differs",
-                ErrorDetails::with_error_info(
-                    "CONFLICT",
-                    "takt",
-                    [("current_revision".to_owned(), "r2".to_owned())],
-                ),
+                ErrorDetails::with_error_info("CONFLICT", "takt", [("current_revision".to_owned(), "r2".to_owned())]),
             ),
             Act::Hang => pending().await,
         }
@@ -107,21 +99,30 @@ impl Fake {
 
     /// Serves gRPC and HTTP on one port, as the real server does.
     async fn serve(&self) -> String {
-        let router = Router::new()
-            .route_service(
-                "/takt.v1.PlanService/{*method}",
-                PlanServiceServer::new(self.clone()),
-            )
-            .route_service(
-                "/takt.v1.RobotService/{*method}",
-                RobotServiceServer::new(self.clone()),
-            )
-            .fallback(http)
-            .with_state(self.clone());
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = listener.local_addr().unwrap();
-        tokio::spawn(async move { axum::serve(listener, router).await });
+        let fake = self.clone();
+        tokio::spawn(async move {
+            while let Ok((stream, _)) = listener.accept().await {
+                let fake = fake.clone();
+                let service = service_fn(move |request| fake.clone().route(request));
+                tokio::spawn(async move {
+                    let builder = auto::Builder::new(TokioExecutor::new());
+                    let _ = builder
+                        .serve_connection(TokioIo::new(stream), TowerToHyperService::new(service))
+                        .await;
+                });
+            }
+        });
         format!("http://{address}")
+    }
+
+    async fn route(self, request: HttpRequest<hyper::body::Incoming>) -> Result<HttpResponse<Body>, Infallible> {
+        match request.uri().path() {
+            path if path.starts_with("/takt.v1.PlanService/") => PlanServiceServer::new(self).oneshot(request).await,
+            path if path.starts_with("/takt.v1.RobotService/") => RobotServiceServer::new(self).oneshot(request).await,
+            _ => Ok(http(self, request).await),
+        }
     }
 }
 
@@ -159,67 +160,63 @@ impl RobotService for Fake {
         &self,
         request: Request<v1::RegisterRobotRequest>,
     ) -> Result<tonic::Response<v1::RegisterRobotResponse>, Status> {
-        self.act(request.metadata(), v1::RegisterRobotResponse::default())
-            .await
+        self.act(request.metadata(), v1::RegisterRobotResponse::default()).await
     }
 
     async fn get_robot(
         &self,
         request: Request<v1::GetRobotRequest>,
     ) -> Result<tonic::Response<v1::GetRobotResponse>, Status> {
-        self.act(request.metadata(), v1::GetRobotResponse::default())
-            .await
+        self.act(request.metadata(), v1::GetRobotResponse::default()).await
     }
 
     async fn list_robots(
         &self,
         request: Request<v1::ListRobotsRequest>,
     ) -> Result<tonic::Response<v1::ListRobotsResponse>, Status> {
-        self.act(request.metadata(), v1::ListRobotsResponse::default())
-            .await
+        self.act(request.metadata(), v1::ListRobotsResponse::default()).await
     }
 
     async fn list_revisions(
         &self,
         request: Request<v1::ListRevisionsRequest>,
     ) -> Result<tonic::Response<v1::ListRevisionsResponse>, Status> {
-        self.act(request.metadata(), v1::ListRevisionsResponse::default())
-            .await
+        self.act(request.metadata(), v1::ListRevisionsResponse::default()).await
     }
 
     async fn delete_robot(
         &self,
         request: Request<v1::DeleteRobotRequest>,
     ) -> Result<tonic::Response<v1::DeleteRobotResponse>, Status> {
-        self.act(request.metadata(), v1::DeleteRobotResponse::default())
-            .await
+        self.act(request.metadata(), v1::DeleteRobotResponse::default()).await
     }
 }
 
-async fn http(
-    State(fake): State<Fake>,
-    method: Method,
-    uri: Uri,
-    headers: HeaderMap,
-    body: Bytes,
-) -> Response {
-    let timeout = headers
-        .get("grpc-timeout")
+async fn http(fake: Fake, request: HttpRequest<hyper::body::Incoming>) -> HttpResponse<Body> {
+    let timeout = request
+        .headers()
+        .get("request-timeout")
         .and_then(|value| value.to_str().ok());
-    let error = |status: u16, code: i32, message: &str, detail: &str| {
-        let body = format!(r#"{{"code": {code}, "message": "{message}", "details": [{detail}]}}"#);
-        (StatusCode::from_u16(status).unwrap(), body).into_response()
+    let act = fake.next(timeout);
+    let reply = |status: u16, body: String| {
+        HttpResponse::builder()
+            .status(status)
+            .body(Body::new(Full::from(body)))
+            .unwrap()
     };
-    match fake.next(timeout) {
-        Act::Answer if method == Method::POST => {
-            assert_eq!(uri.path(), "/v1/robots/arm:planMove");
+    let error = |status: u16, code: i32, message: &str, detail: &str| {
+        let body = format!(r#"{{"error": {{"code": {code}, "message": "{message}", "details": [{detail}]}}}}"#);
+        reply(status, body)
+    };
+    match act {
+        Act::Answer if request.method() == Method::POST => {
+            assert_eq!(request.uri().path(), "/v1/robots/arm:planMove");
+            let body = request.into_body().collect().await.unwrap().to_bytes();
             let request: v1::PlanMoveRequest = serde_json::from_slice(&body).unwrap();
             assert_eq!(request.robot_id, "");
-            serde_json::to_string(&plan(fake.name))
-                .unwrap()
-                .into_response()
+            reply(200, serde_json::to_string(&plan(fake.name)).unwrap())
         }
-        Act::Answer => "{}".into_response(),
+        Act::Answer => reply(200, "{}".to_owned()),
         Act::Unavailable => error(503, 14, "starting", ""),
         Act::Overloaded => error(
             429,
@@ -238,7 +235,8 @@ async fn http(
             409,
             10,
             "differs",
-            r#"{"@type": "type.googleapis.com/google.rpc.ErrorInfo", "metadata": {"current_revision": "r2"}}"#,
+            r#"{"@type": "type.googleapis.com/google.rpc.ErrorInfo", "reason": "REVISION_MISMATCH",
+                "metadata": {"current_revision": "r2"}}"#,
         ),
         Act::Hang => pending().await,
     }
@@ -303,10 +301,7 @@ async fn violations_arrive_the_same_over_both_transports() {
             .plan_move(request())
             .await
             .unwrap_err();
-        assert_eq!(
-            (error.kind(), error.code()),
-            (ErrorKind::Refused, Code::InvalidRequest)
-        );
+        assert_eq!((error.kind(), error.code()), (ErrorKind::Refused, Code::InvalidRequest));
         assert_eq!(error.message(), "wrong");
         assert_eq!(error.violations()[0].field, "target.position[1]");
         assert_eq!(error.violations()[0].description, "too far");
@@ -331,10 +326,7 @@ async fn a_conflict_carries_the_current_revision() {
 #[tokio::test]
 async fn a_deletion_that_may_have_been_sent_is_not_repeated() {
     for transport in BOTH {
-        let (fake, other) = (
-            Fake::new("a", &[Act::Unavailable]),
-            Fake::new("b", &[Act::Unavailable]),
-        );
+        let (fake, other) = (Fake::new("a", &[Act::Unavailable]), Fake::new("b", &[Act::Unavailable]));
         let client = client(transport, &[&fake.serve().await, &other.serve().await]);
         let error = client.delete_robot(delete()).await.unwrap_err();
         assert_eq!(error.kind(), ErrorKind::Service);
@@ -363,10 +355,7 @@ async fn registrations_are_repeated_only_without_an_expected_revision() {
 #[tokio::test]
 async fn calls_start_at_each_endpoint_in_turn() {
     for transport in BOTH {
-        let (a, b) = (
-            Fake::new("a", &[Act::Answer]),
-            Fake::new("b", &[Act::Answer]),
-        );
+        let (a, b) = (Fake::new("a", &[Act::Answer]), Fake::new("b", &[Act::Answer]));
         let client = client(transport, &[&a.serve().await, &b.serve().await]);
         for _ in 0..6 {
             client.plan_move(request()).await.unwrap();
@@ -390,19 +379,12 @@ async fn a_dead_endpoint_is_passed_over_even_by_a_deletion() {
 #[tokio::test]
 async fn an_unavailable_endpoint_is_passed_over() {
     for transport in BOTH {
-        let (a, b) = (
-            Fake::new("a", &[Act::Unavailable]),
-            Fake::new("b", &[Act::Answer]),
-        );
+        let (a, b) = (Fake::new("a", &[Act::Unavailable]), Fake::new("b", &[Act::Answer]));
         let client = client(transport, &[&a.serve().await, &b.serve().await]);
         for _ in 0..4 {
             client.plan_move(request()).await.unwrap();
         }
-        assert_eq!(
-            (a.seen(), b.seen()),
-            (1, 4),
-            "asked once, then last for a while"
-        );
+        assert_eq!((a.seen(), b.seen()), (1, 4), "asked once, then last for a while");
     }
 }
 
@@ -410,14 +392,8 @@ async fn an_unavailable_endpoint_is_passed_over() {
 async fn nobody_there_is_said_with_the_endpoint() {
     for transport in BOTH {
         let url = nowhere().await;
-        let error = client(transport, &[&url])
-            .plan_move(request())
-            .await
-            .unwrap_err();
-        assert_eq!(
-            (error.kind(), error.code()),
-            (ErrorKind::Transport, Code::Unavailable)
-        );
+        let error = client(transport, &[&url]).plan_move(request()).await.unwrap_err();
+        assert_eq!((error.kind(), error.code()), (ErrorKind::Transport, Code::Unavailable));
         assert_eq!(error.endpoint(), url);
         assert_eq!(error.tries(), 5);
         assert!(error.to_string().contains("cannot connect"), "{error}");
@@ -437,8 +413,11 @@ async fn a_peer_that_never_answers_meets_the_deadline_and_was_told_it() {
         );
         assert_eq!(error.endpoint(), url);
         let told = fake.timeout.lock().unwrap().clone();
-        let told: u32 = told.strip_suffix('u').unwrap().parse().unwrap();
-        assert!((1..=300_000).contains(&told), "{told}");
+        let micros: f64 = match transport {
+            Transport::Grpc => told.strip_suffix('u').unwrap().parse().unwrap(),
+            Transport::Http => 1e6 * told.parse::<f64>().unwrap(),
+        };
+        assert!(micros > 0.0 && micros <= 300_000.0, "{told}");
     }
 }
 
@@ -463,10 +442,7 @@ async fn a_peer_that_hangs_up_is_a_broken_connection() {
                 drop(stream)
             }
         });
-        let error = client(transport, &[&url])
-            .plan_move(request())
-            .await
-            .unwrap_err();
+        let error = client(transport, &[&url]).plan_move(request()).await.unwrap_err();
         assert_eq!(error.kind(), ErrorKind::Transport, "{transport:?} {error}");
         assert_eq!(error.tries(), 5);
     }
@@ -488,9 +464,7 @@ async fn one_connection_serves_many_calls() {
                 let mut far = tokio::net::TcpStream::connect(server.trim_start_matches("http://"))
                     .await
                     .unwrap();
-                tokio::spawn(
-                    async move { tokio::io::copy_bidirectional(&mut near, &mut far).await },
-                );
+                tokio::spawn(async move { tokio::io::copy_bidirectional(&mut near, &mut far).await });
             }
         });
         let client = client(transport, &[&url]);
@@ -521,10 +495,7 @@ async fn a_reply_over_the_limit_is_refused() {
 async fn an_empty_robot_id_is_refused_before_anything_is_sent() {
     let fake = Fake::new("a", &[Act::Answer]);
     let client = client(Transport::Http, &[&fake.serve().await]);
-    let error = client
-        .plan_move(v1::PlanMoveRequest::default())
-        .await
-        .unwrap_err();
+    let error = client.plan_move(v1::PlanMoveRequest::default()).await.unwrap_err();
     assert_eq!(error.violations()[0].field, "robot_id");
     assert_eq!(fake.seen(), 0);
 }

@@ -19,9 +19,7 @@ impl<'a> Budget<'a> {
     /// A budget without end. Every calculation ends by itself; this one is not cut short.
     #[must_use]
     pub fn unlimited() -> Budget<'static> {
-        Budget {
-            should_stop: &|| false,
-        }
+        Budget { should_stop: &|| false }
     }
 
     /// Returns [`Stopped`] once the budget has ended.

@@ -3,9 +3,12 @@
 #![warn(missing_docs)]
 
 pub mod budget;
+pub mod dynamics;
 pub mod error;
+pub mod kinematics;
 pub mod plan;
 pub mod robot;
+mod scalar;
 
 pub use error::Invalid;
 pub use nalgebra;

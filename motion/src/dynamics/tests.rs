@@ -1,0 +1,222 @@
+use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
+
+use super::path::PathTerms;
+use super::sweep::Sweep;
+use super::*;
+use crate::robot::spec::{Drive, Friction, Inertial, JointKind, JointSpec, Limits, RobotSpec};
+
+/// A pseudo-random number in [-1, 1] (SplitMix64): the same ones in every run.
+fn random(state: &mut u64) -> f64 {
+    *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    let mut z = *state;
+    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+}
+
+/// An arm with axes anywhere, every third joint prismatic, and drives.
+fn arm(count: usize, seed: u64) -> Robot {
+    let state = &mut seed.clone();
+    let vector = |state: &mut u64| Vector3::new(random(state), random(state), random(state));
+    let joints = (0..count)
+        .map(|i| {
+            let spread = Matrix3::from_fn(|_, _| random(state));
+            JointSpec {
+                name: format!("joint_{i}"),
+                kind: if i % 3 == 2 {
+                    JointKind::Prismatic
+                } else {
+                    JointKind::Revolute
+                },
+                parent_from_joint: Isometry3::new(vector(state), vector(state) * 2.0),
+                axis: vector(state).normalize(),
+                link: Inertial {
+                    mass: 1.5 + random(state),
+                    center_of_mass: vector(state),
+                    inertia: spread * spread.transpose() + Matrix3::identity() * 0.1,
+                },
+                limits: Limits::default(),
+                drive: Drive {
+                    gear_ratio: 40.0 * random(state),
+                    rotor_inertia: 1e-4,
+                    motor_friction: Friction {
+                        viscous: 1e-3,
+                        coulomb_positive: 0.02,
+                        coulomb_negative: 0.03,
+                    },
+                    ..Drive::default()
+                },
+            }
+        })
+        .collect();
+    let spec = RobotSpec {
+        joints,
+        link_from_tip: Isometry3::new(vector(state), vector(state)),
+        gravity: Vector3::new(1.0, -2.0, -9.0),
+        payload: Inertial {
+            mass: 2.0,
+            center_of_mass: vector(state),
+            inertia: Matrix3::identity() * 0.3,
+        },
+        tcp: Isometry3::identity(),
+        frames: Vec::new(),
+    };
+    Robot::new(spec, Vec::new()).unwrap()
+}
+
+fn values(count: usize, state: &mut u64) -> Vec<f64> {
+    (0..count).map(|_| 2.0 * random(state)).collect()
+}
+
+fn assert_close(a: &[f64], b: &[f64], tolerance: f64) {
+    let scale = b.iter().fold(1e-6, |m: f64, x| m.max(x.abs()));
+    for (x, y) in a.iter().zip(b) {
+        assert!((x - y).abs() <= tolerance * scale, "{a:?} {b:?}");
+    }
+}
+
+#[test]
+fn inverse_dynamics_is_the_mass_matrix_times_acceleration_plus_the_bias() {
+    for count in [1, 2, 3, 6, 9, 17, 32] {
+        let robot = arm(count, count as u64);
+        let ws = &mut Workspace::new(&robot);
+        let state = &mut 7;
+        let (q, qd, qdd) = (values(count, state), values(count, state), values(count, state));
+        let (mut torque, mut bias) = (vec![0.0; count], vec![0.0; count]);
+        rigid_torque(&robot, ws, &q, &qd, &qdd, &mut torque);
+        rigid_torque(&robot, ws, &q, &qd, &vec![0.0; count], &mut bias);
+        let mut matrix = vec![0.0; count * count];
+        mass_matrix(&robot, ws, &q, &mut matrix);
+        let rebuilt: Vec<f64> = (0..count)
+            .map(|i| bias[i] + (0..count).map(|j| matrix[i * count + j] * qdd[j]).sum::<f64>())
+            .collect();
+        assert_close(&rebuilt, &torque, 1e-12);
+    }
+}
+
+#[test]
+fn forward_dynamics_inverts_the_drive_torque() {
+    for count in [1, 4, 6, 32] {
+        let robot = arm(count, 11 + count as u64);
+        let ws = &mut Workspace::new(&robot);
+        let state = &mut 3;
+        let (q, qd, qdd) = (values(count, state), values(count, state), values(count, state));
+        let (mut torque, mut back) = (vec![0.0; count], vec![0.0; count]);
+        drive_torque(&robot, ws, &q, &qd, &qdd, &mut torque);
+        assert!(forward_dynamics(&robot, ws, &q, &qd, &torque, &mut back));
+        assert_close(&back, &qdd, 1e-8);
+    }
+}
+
+#[test]
+fn kinetic_energy_grows_by_the_power_of_the_torques() {
+    let robot = arm(6, 5);
+    let ws = &mut Workspace::new(&robot);
+    let state = &mut 9;
+    let (q, qd, qdd) = (values(6, state), values(6, state), values(6, state));
+    let mut energy = |time: f64| {
+        let at = |i: usize| q[i] + qd[i] * time + 0.5 * qdd[i] * time * time;
+        let rate = |i: usize| qd[i] + qdd[i] * time;
+        let q: Vec<f64> = (0..6).map(at).collect();
+        let mut matrix = vec![0.0; 36];
+        mass_matrix(&robot, ws, &q, &mut matrix);
+        let pairs = (0..36).map(|e| matrix[e] * rate(e / 6) * rate(e % 6));
+        0.5 * pairs.sum::<f64>()
+    };
+    let step = 1e-4;
+    let growth = (energy(step) - energy(-step)) / (2.0 * step);
+    let (mut torque, mut gravity) = (vec![0.0; 6], vec![0.0; 6]);
+    let ws = &mut Workspace::new(&robot);
+    rigid_torque(&robot, ws, &q, &qd, &qdd, &mut torque);
+    gravity_torque(&robot, ws, &q, &mut gravity);
+    let power: f64 = (0..6).map(|i| qd[i] * (torque[i] - gravity[i])).sum();
+    assert!((growth - power).abs() < 1e-5 * power.abs(), "{growth} {power}");
+}
+
+#[test]
+fn a_sweep_has_the_bits_of_single_states() {
+    for count in [1, 6, 7, 12, 32] {
+        let robot = arm(count, 20 + count as u64);
+        let ws = &mut Workspace::new(&robot);
+        let state = &mut 1;
+        let mut sweep = Sweep::default();
+        sweep.reset(count, 13);
+        for entry in 0..sweep.position.len() {
+            sweep.position[entry] = 3.0 * random(state);
+            sweep.velocity[entry] = random(state);
+            sweep.acceleration[entry] = random(state);
+        }
+        sweep.compute(robot.chain());
+        for k in 0..13 {
+            let of = |column: &[f64]| -> Vec<f64> { (0..count).map(|j| column[sweep.column(j) + k]).collect() };
+            let (q, qd, qdd) = (of(&sweep.position), of(&sweep.velocity), of(&sweep.acceleration));
+            let mut torque = vec![0.0; count];
+            rigid_torque(&robot, ws, &q, &qd, &qdd, &mut torque);
+            assert_eq!(torque, of(&sweep.torque));
+            gravity_torque(&robot, ws, &q, &mut torque);
+            assert_close(&torque, &of(&sweep.gravity), 1e-13);
+        }
+    }
+}
+
+#[test]
+fn path_terms_agree_with_inverse_dynamics_along_the_path() {
+    for count in [1, 3, 6, 10, 32] {
+        let robot = arm(count, 30 + count as u64);
+        let ws = &mut Workspace::new(&robot);
+        let state = &mut 2;
+        let (start, direction) = (values(count, state), values(count, state));
+        let s = [0.0, 0.2, 0.5, 0.9, 1.0];
+        let mut terms = PathTerms::default();
+        terms.compute(robot.chain(), &start, &direction, &s);
+        let (sd, sdd) = (1.3, -0.7);
+        for (k, s) in s.iter().enumerate() {
+            let q: Vec<f64> = (0..count).map(|j| start[j] + s * direction[j]).collect();
+            let qd: Vec<f64> = direction.iter().map(|d| d * sd).collect();
+            let qdd: Vec<f64> = direction.iter().map(|d| d * sdd).collect();
+            let mut torque = vec![0.0; count];
+            rigid_torque(&robot, ws, &q, &qd, &qdd, &mut torque);
+            let along: Vec<f64> = (0..count)
+                .map(|j| {
+                    let e = j * terms.stride + k;
+                    terms.mass[e] * sdd + terms.velocity[e] * sd * sd + terms.gravity[e]
+                })
+                .collect();
+            assert_close(&along, &torque, 1e-12);
+        }
+    }
+}
+
+#[test]
+fn the_jacobian_is_the_derivative_of_the_pose() {
+    let robot = arm(7, 8);
+    let tcp = Isometry3::new(Vector3::new(0.1, 0.2, -0.1), Vector3::new(0.3, 0.1, 0.2));
+    let q = values(7, &mut 4);
+    let mut jacobian = vec![0.0; 42];
+    crate::kinematics::jacobian(&robot, &q, &tcp, &mut jacobian);
+    let step = 1e-6;
+    for j in 0..7 {
+        let moved = |by: f64| {
+            let mut q = q.clone();
+            q[j] += by;
+            crate::kinematics::pose(&robot, &q, &tcp)
+        };
+        let (ahead, behind) = (moved(step), moved(-step));
+        let linear = (ahead.translation.vector - behind.translation.vector) / (2.0 * step);
+        let turn: UnitQuaternion<f64> = ahead.rotation * behind.rotation.inverse();
+        let angular = turn.scaled_axis() / (2.0 * step);
+        let column: Vec<f64> = (0..6).map(|row| jacobian[row * 7 + j]).collect();
+        let differences: Vec<f64> = linear.iter().chain(angular.iter()).copied().collect();
+        assert_close(&column, &differences, 1e-8);
+    }
+}
+
+#[test]
+fn a_singular_mass_matrix_is_refused() {
+    let mut spec = arm(2, 1).spec().clone();
+    spec.payload = Inertial::zero();
+    spec.joints[1].link = Inertial::zero();
+    spec.joints[1].drive.rotor_inertia = 0.0;
+    let refusal = Robot::new(spec, Vec::new()).unwrap_err();
+    assert!(refusal[0].message.contains("singular"), "{}", refusal[0]);
+}
