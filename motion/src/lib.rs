@@ -9,6 +9,10 @@ pub mod kinematics;
 pub mod plan;
 pub mod robot;
 mod scalar;
+mod tolerance;
+mod trajectory;
+mod verify;
 
 pub use error::Invalid;
 pub use nalgebra;
+pub use tolerance::{DURATION_MAX, POSITION_MAX, SETPOINTS_MAX, TRAJECTORY_POINTS_MAX, TRAVEL_MAX};

@@ -7,9 +7,6 @@ use std::ops::{Add, Mul, Sub};
 
 use pulp::Simd;
 
-/// Largest position that [`Real::sine_cosine`] reduces without loss: n·π/2 stays exact up to n = 2²⁰.
-pub(crate) const ANGLE_MAX: f64 = 1.0e6;
-
 /// The most lanes that any processor has; sample columns are padded to a multiple of it.
 pub(crate) const LANES_MAX: usize = 8;
 
@@ -23,7 +20,7 @@ pub(crate) trait Real:
     /// Picks `yes` in the lanes where `self < bound`, `no` in the others.
     fn select_below(self, bound: f64, yes: Self, no: Self) -> Self;
 
-    /// Sine and cosine of an angle of magnitude up to [`ANGLE_MAX`], to about one unit in the last place.
+    /// Sine and cosine of an angle of magnitude up to a million, to about one unit in the last place. (n·π/2 stays exact up to n = 2²⁰.)
     ///
     /// Reduction to [−π/4, π/4] by subtracting n·π/2 in three exact parts (Cody and Waite 1980), then Taylor series:
     /// at π/4 the first term left out is below 2⁻⁶⁰.

@@ -8,6 +8,7 @@ use takt_motion::{
     budget::Budget,
     dynamics::{self, Workspace},
     kinematics,
+    plan::{self, outcome::MoveOutcome},
     robot::{Robot, urdf_writer},
 };
 use takt_proto::{
@@ -15,6 +16,7 @@ use takt_proto::{
     id::{RobotId, content_hash},
     v1,
 };
+use tracing::Span;
 
 use crate::{
     config::Limits,
@@ -164,12 +166,39 @@ pub(crate) fn plan_move(
     let spec = robot.as_ref().map(|robot| robot.robot.spec());
     let request = convert::plan::move_request(request, spec, &mut findings);
     let (robot, request) = checked(findings, robot, request)?;
-    let _ = (request, hash, budget, stopped(deadline));
-    let _ = provenance(&robot.revision, String::new());
-    Err(ServiceError::new(
-        takt_proto::error::ErrorCode::Unimplemented,
-        "moves are not planned yet",
-    ))
+    let outcome = plan::plan_move(&robot.robot, &request, budget).map_err(|failure| failed(failure, deadline))?;
+    check_setpoints(&outcome, limits)?;
+    Span::current().record("outcome", outcome_name(&outcome));
+    Ok(v1::PlanMoveResponse {
+        outcome: Some(convert::plan::outcome_to_wire(outcome, robot.robot.spec())),
+        provenance: Some(provenance(&robot.revision, hash)),
+    })
+}
+
+fn outcome_name(outcome: &MoveOutcome) -> &'static str {
+    match outcome {
+        MoveOutcome::Plan(_) => "plan",
+        MoveOutcome::Infeasible(_) => "infeasible",
+    }
+}
+
+/// How many set-points a period makes is known when the plan is.
+fn check_setpoints(outcome: &MoveOutcome, limits: &Limits) -> Result<(), ServiceError> {
+    let MoveOutcome::Plan(plan) = outcome else {
+        return Ok(());
+    };
+    let count = plan.setpoints.as_ref().map_or(0, |setpoints| setpoints.time.len());
+    match at_most("sample_period_s", count, limits.max_setpoints, "max_setpoints") {
+        Some(invalid) => Err(ServiceError::invalid(vec![invalid])),
+        None => Ok(()),
+    }
+}
+
+fn failed(failure: plan::Failure, deadline: Instant) -> ServiceError {
+    match failure {
+        plan::Failure::Invalid(violations) => ServiceError::invalid(violations),
+        plan::Failure::Stopped => stopped(deadline),
+    }
 }
 
 /// Checks a trajectory.
@@ -195,11 +224,12 @@ pub(crate) fn check_trajectory(
     let spec = robot.as_ref().map(|robot| robot.robot.spec());
     let request = convert::plan::check_request(request, spec, &mut findings);
     let (robot, request) = checked(findings, robot, request)?;
-    let _ = (request, hash, budget, stopped(deadline), robot);
-    Err(ServiceError::new(
-        takt_proto::error::ErrorCode::Unimplemented,
-        "trajectories are not checked yet",
-    ))
+    let report =
+        plan::check_trajectory(&robot.robot, &request, budget).map_err(|failure| failed(failure, deadline))?;
+    Ok(v1::CheckTrajectoryResponse {
+        provenance: Some(provenance(&robot.revision, hash)),
+        ..convert::plan::report_to_wire(report, robot.robot.spec())
+    })
 }
 
 /// States between two looks at whether anybody still waits.

@@ -5,6 +5,7 @@ use pulp::{Simd, WithSimd};
 use super::chain::Chain;
 use super::rnea::{LinkWrench, rnea};
 use crate::scalar::{LANES_MAX, Lanes};
+use crate::trajectory::{Polynomial, evaluate};
 
 /// States and their torques as columns, joint by joint: entry `joint * stride + state`.
 #[derive(Debug, Default)]
@@ -35,6 +36,24 @@ impl Sweep {
         ] {
             column.clear();
             column.resize(entries, 0.0);
+        }
+    }
+
+    /// Sets one state from polynomials of time, one a joint.
+    pub(crate) fn set(&mut self, state: usize, polynomials: &[Polynomial], time: f64) {
+        for (joint, polynomial) in polynomials.iter().enumerate() {
+            let entry = joint * self.stride + state;
+            let at = evaluate(polynomial, time);
+            self.position[entry] = at.position;
+            self.velocity[entry] = at.velocity;
+            self.acceleration[entry] = at.acceleration;
+        }
+    }
+
+    /// Sets one state at rest.
+    pub(crate) fn set_position(&mut self, state: usize, position: &[f64]) {
+        for (joint, position) in position.iter().enumerate() {
+            self.position[joint * self.stride + state] = *position;
         }
     }
 

@@ -17,8 +17,9 @@ pub enum MoveOutcome {
 pub struct MovePlan {
     /// s.
     pub duration: f64,
-    /// What the conventional preset pattern would have taken, unchecked, s.
-    pub preset_duration: f64,
+    /// What the conventional preset pattern would have taken, unchecked, s; `None` where a joint that moves has no preset
+    /// acceleration.
+    pub preset_duration: Option<f64>,
     /// The preset accelerations were derived from the torque limits.
     pub preset_derived: bool,
     /// How it was planned.
@@ -29,8 +30,8 @@ pub struct MovePlan {
     pub patterns: Vec<Pattern>,
     /// One a joint whose peak torque is known, in model order.
     pub torque_margins: Vec<TorqueMargin>,
-    /// What keeps the move from being faster.
-    pub limiting: Limiting,
+    /// What keeps the move from being faster; `None` where nothing moves.
+    pub limiting: Option<Limiting>,
     /// By how much the raw plan broke a limit, relative to the limit; 0 where it kept all.
     pub raw_excess: f64,
     /// Duration of the raw plan, s.
@@ -148,8 +149,6 @@ pub enum LimitingKind {
     Deceleration,
     /// The conventional pattern's fixed accelerations.
     PresetAcceleration,
-    /// The whole number of set-point periods.
-    SamplePeriod,
 }
 
 /// Whether a plan keeps its torque limits at every slower speed override.

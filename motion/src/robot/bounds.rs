@@ -85,11 +85,7 @@ pub(crate) const QUATERNION_ROUNDING: f64 = 1e-6;
 pub(crate) const MIN_AXIS: f64 = 1e-6;
 
 const fn symmetric(max: f64, unit: &'static str) -> Bound {
-    Bound {
-        min: -max,
-        max,
-        unit,
-    }
+    Bound { min: -max, max, unit }
 }
 
 const fn between(min: f64, max: f64, unit: &'static str) -> Bound {
@@ -109,16 +105,10 @@ impl Bound {
             return Some(format!("{value} must be a finite number"));
         }
         if value < self.min {
-            return Some(format!(
-                "{value:?}{unit} must be at least {:?}{unit}",
-                self.min
-            ));
+            return Some(format!("{value:?}{unit} must be at least {:?}{unit}", self.min));
         }
         if value > self.max {
-            return Some(format!(
-                "{value:?}{unit} must be at most {:?}{unit}",
-                self.max
-            ));
+            return Some(format!("{value:?}{unit} must be at most {:?}{unit}", self.max));
         }
         None
     }

@@ -23,11 +23,7 @@ use super::spec::{Drive, Inertial, JointKind, JointSpec, Limits};
 mod tests;
 
 /// The chain that a table describes; `None` where something is wrong with it.
-pub(crate) fn read(
-    convention: DhConvention,
-    links: &[DhLink],
-    findings: &mut Findings,
-) -> Option<Chain> {
+pub(crate) fn read(convention: DhConvention, links: &[DhLink], findings: &mut Findings) -> Option<Chain> {
     if links.is_empty() {
         findings.error("dh.links", "must have at least one link");
         return None;
@@ -104,15 +100,9 @@ fn check(links: &[DhLink], findings: &mut Findings) {
     for (index, link) in links.iter().enumerate() {
         let path = |field: &str| format!("dh.links[{index}].{field}");
         findings.check_name(path("name"), &link.name);
-        if let Some(first) = links[..index]
-            .iter()
-            .position(|other| other.name == link.name)
-        {
+        if let Some(first) = links[..index].iter().position(|other| other.name == link.name) {
             let name = quoted(&link.name);
-            findings.error(
-                path("name"),
-                format!("{name} is the name of dh.links[{first}] too"),
-            );
+            findings.error(path("name"), format!("{name} is the name of dh.links[{first}] too"));
         }
         findings.check(path("a_m"), link.a, &LENGTH);
         findings.check(path("alpha_rad"), link.alpha, &ANGLE);

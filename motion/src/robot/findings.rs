@@ -40,12 +40,7 @@ impl Findings {
         }
     }
 
-    pub(crate) fn check_some(
-        &mut self,
-        path: impl Into<String>,
-        value: Option<f64>,
-        bound: &Bound,
-    ) {
+    pub(crate) fn check_some(&mut self, path: impl Into<String>, value: Option<f64>, bound: &Bound) {
         if let Some(value) = value {
             self.check(path, value, bound);
         }
@@ -75,10 +70,7 @@ impl Findings {
         if name.is_empty() {
             self.error(path, "must not be empty");
         } else if name.len() > MAX_NAME_BYTES {
-            self.error(
-                path,
-                format!("{} bytes must be at most {MAX_NAME_BYTES}", name.len()),
-            );
+            self.error(path, format!("{} bytes must be at most {MAX_NAME_BYTES}", name.len()));
         }
     }
 
@@ -100,18 +92,13 @@ impl Findings {
             self.errors.push(Invalid::new("", message));
         }
         if self.further_warnings > 0 {
-            self.warnings.push(format!(
-                "{} further warnings are not listed",
-                self.further_warnings
-            ));
+            self.warnings
+                .push(format!("{} further warnings are not listed", self.further_warnings));
         }
         match value {
             Some(value) if self.errors.is_empty() => Ok((value, self.warnings)),
             _ => {
-                debug_assert!(
-                    !self.errors.is_empty(),
-                    "nothing was read, and nothing says why"
-                );
+                debug_assert!(!self.errors.is_empty(), "nothing was read, and nothing says why");
                 Err(self.errors)
             }
         }

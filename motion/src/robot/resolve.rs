@@ -12,9 +12,7 @@ mod tests;
 
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
-use super::bounds::{
-    GRAVITY, INERTIA, LENGTH, MASS, MAX_FRAMES, ODD_TOTAL_MASS, QUATERNION_ROUNDING,
-};
+use super::bounds::{GRAVITY, INERTIA, LENGTH, MASS, MAX_FRAMES, ODD_TOTAL_MASS, QUATERNION_ROUNDING};
 use super::chain::Chain;
 use super::description::{Description, Kinematics};
 use super::findings::{Findings, quoted};
@@ -51,9 +49,7 @@ impl Description {
         let spec = chain.zip(joints).map(|(chain, joints)| RobotSpec {
             joints,
             link_from_tip: chain.link_from_tip,
-            gravity: self
-                .gravity
-                .unwrap_or(Vector3::new(0.0, 0.0, -STANDARD_GRAVITY)),
+            gravity: self.gravity.unwrap_or(Vector3::new(0.0, 0.0, -STANDARD_GRAVITY)),
             payload: self.payload.unwrap_or(Inertial::zero()),
             tcp: self.tcp.unwrap_or(Isometry3::identity()),
             frames: self.frames.clone(),
@@ -105,17 +101,12 @@ fn warn_of_gaps(joints: &[JointSpec], findings: &mut Findings) {
         let name = quoted(&joint.name);
         let drive = &joint.drive;
         let has_torque = drive.peak_torque.is_some();
-        let has_acceleration =
-            joint.limits.acceleration.is_some() || joint.limits.preset_acceleration.is_some();
+        let has_acceleration = joint.limits.acceleration.is_some() || joint.limits.preset_acceleration.is_some();
         if !has_torque {
-            findings.warn(format!(
-                "joint {name}: peak torque unknown, its torque is not checked"
-            ));
+            findings.warn(format!("joint {name}: peak torque unknown, its torque is not checked"));
         }
         if joint.limits.velocity.is_none() {
-            findings.warn(format!(
-                "joint {name}: speed limit unknown, a request must bring one"
-            ));
+            findings.warn(format!("joint {name}: speed limit unknown, a request must bring one"));
         }
         if !has_torque && !has_acceleration {
             findings.warn(format!(
@@ -166,10 +157,7 @@ fn check_gravity(gravity: Option<&Vector3<f64>>, findings: &mut Findings) {
     let mut is_finite = true;
     for (index, value) in gravity.iter().enumerate() {
         if !value.is_finite() {
-            findings.error(
-                format!("{path}[{index}]"),
-                format!("{value} must be a finite number"),
-            );
+            findings.error(format!("{path}[{index}]"), format!("{value} must be a finite number"));
             is_finite = false;
         }
     }
@@ -211,10 +199,7 @@ fn check_frames(frames: &[(String, Isometry3<f64>)], findings: &mut Findings) {
     for (index, (name, pose)) in frames.iter().enumerate() {
         let path = format!("frames[{index}].name");
         if let Some(first) = names.insert(name.as_str(), index) {
-            findings.error(
-                path,
-                format!("{} is the name of frames[{first}] too", quoted(name)),
-            );
+            findings.error(path, format!("{} is the name of frames[{first}] too", quoted(name)));
         } else {
             findings.check_name(path, name);
         }
@@ -223,14 +208,9 @@ fn check_frames(frames: &[(String, Isometry3<f64>)], findings: &mut Findings) {
 }
 
 fn check_pose(path: &str, pose: &Isometry3<f64>, findings: &mut Findings) {
-    findings.check_vector(
-        &format!("{path}.position_m"),
-        &pose.translation.vector,
-        &LENGTH,
-    );
+    findings.check_vector(&format!("{path}.position_m"), &pose.translation.vector, &LENGTH);
     let norm = pose.rotation.quaternion().norm();
-    // Not `>`: a NaN must not pass.
-    if !((norm - 1.0).abs() <= QUATERNION_ROUNDING) {
+    if norm.is_nan() || (norm - 1.0).abs() > QUATERNION_ROUNDING {
         findings.error(
             format!("{path}.orientation"),
             format!("a norm of {norm:?} must be 1 within {QUATERNION_ROUNDING:?}"),

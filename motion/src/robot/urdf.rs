@@ -45,11 +45,7 @@ pub fn read(text: &str, options: &Options<'_>) -> Result<(Chain, Vec<String>), V
     findings.finish(chain)
 }
 
-pub(super) fn read_chain(
-    text: &str,
-    options: &Options<'_>,
-    findings: &mut Findings,
-) -> Option<Chain> {
+pub(super) fn read_chain(text: &str, options: &Options<'_>, findings: &mut Findings) -> Option<Chain> {
     if let Err(message) = guard::check(text) {
         findings.error("urdf", message);
         return None;

@@ -25,11 +25,7 @@ pub fn write(spec: &RobotSpec, name: &str) -> String {
 }
 
 fn write_robot(out: &mut String, spec: &RobotSpec, name: &str) -> fmt::Result {
-    let taken: HashSet<&str> = spec
-        .joints
-        .iter()
-        .map(|joint| joint.name.as_str())
-        .collect();
+    let taken: HashSet<&str> = spec.joints.iter().map(|joint| joint.name.as_str()).collect();
     let base = free_name("base", &taken);
     let tip = free_name("tip", &taken);
     writeln!(out, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>")?;
@@ -56,11 +52,7 @@ fn write_joint(out: &mut String, joint: &JointSpec, parent: &str) -> fmt::Result
         JointKind::Continuous => "continuous",
         JointKind::Prismatic => "prismatic",
     };
-    writeln!(
-        out,
-        "  <joint name=\"{}\" type=\"{kind}\">",
-        escaped(&joint.name)
-    )?;
+    writeln!(out, "  <joint name=\"{}\" type=\"{kind}\">", escaped(&joint.name))?;
     write_ends(out, &joint.parent_from_joint, parent, &joint.name)?;
     writeln!(out, "    <axis xyz=\"{}\"/>", triple(&joint.axis))?;
     write_limit(out, joint)?;
@@ -72,12 +64,7 @@ fn is_unlimited(joint: &JointSpec) -> bool {
     joint.limits.position_lower.is_none() && joint.limits.position_upper.is_none()
 }
 
-fn write_ends(
-    out: &mut String,
-    parent_from_child: &Isometry3<f64>,
-    parent: &str,
-    child: &str,
-) -> fmt::Result {
+fn write_ends(out: &mut String, parent_from_child: &Isometry3<f64>, parent: &str, child: &str) -> fmt::Result {
     write_origin(out, "    ", parent_from_child)?;
     writeln!(out, "    <parent link=\"{}\"/>", escaped(parent))?;
     writeln!(out, "    <child link=\"{}\"/>", escaped(child))

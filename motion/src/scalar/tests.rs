@@ -1,5 +1,7 @@
 use super::*;
 
+const ANGLE_MAX: f64 = 1.0e6;
+
 /// Angles of every size, and the hard ones: near multiples of π/2.
 fn angles() -> Vec<f64> {
     let mut angles = vec![0.0, -0.0, 1e-300, -1e-9, 0.5, ANGLE_MAX, -ANGLE_MAX];

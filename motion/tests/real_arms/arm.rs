@@ -8,8 +8,7 @@ use std::path::Path;
 
 use serde_json::Value;
 use takt_motion::nalgebra::{
-    DMatrix, DVector, Isometry3, Matrix3, Matrix3xX, Point3, Rotation3, Translation3, Unit,
-    UnitQuaternion, Vector3,
+    DMatrix, DVector, Isometry3, Matrix3, Matrix3xX, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3,
 };
 use takt_motion::robot::description::{Description, Kinematics};
 use takt_motion::robot::resolve::Resolved;
@@ -65,22 +64,19 @@ impl Arm {
     /// Any description beside any oracle; its gravity becomes the oracle's.
     pub(crate) fn described(mut description: Description, oracle: Value) -> Self {
         description.gravity = Some(Vector3::from_column_slice(&numbers(&oracle["gravity"])));
-        let resolved = description
-            .resolve()
-            .unwrap_or_else(|errors| panic!("{errors:#?}"));
+        let resolved = description.resolve().unwrap_or_else(|errors| panic!("{errors:#?}"));
         Self { resolved, oracle }
     }
 
     /// Joint names and limits, and everything below.
     pub(crate) fn check(&self) {
         self.check_joints();
-        self.check_states(&Isometry3::identity());
+        self.check_poses();
+        self.check_dynamics(TOLERANCE);
     }
 
     fn check_joints(&self) {
-        let joints = self.oracle["joints"]
-            .as_array()
-            .expect("an oracle has joints");
+        let joints = self.oracle["joints"].as_array().expect("an oracle has joints");
         let spec = &self.resolved.spec;
         assert_eq!(spec.joints.len(), joints.len());
         for (joint, oracle) in spec.joints.iter().zip(joints) {
@@ -103,19 +99,16 @@ impl Arm {
         }
     }
 
-    /// Poses, mass matrices, gravity torques; `tip_from_oracle_tip` where the description ends in another frame.
-    pub(crate) fn check_states(&self, tip_from_oracle_tip: &Isometry3<f64>) {
-        let states = self.oracle["states"]
-            .as_array()
-            .expect("an oracle has states");
-        assert!(!states.is_empty());
-        for state in states {
-            let posed = Posed::at(&self.resolved.spec, &numbers(&state["q"]));
-            let tip = posed.tip * tip_from_oracle_tip;
+    /// The tip at every state.
+    fn check_poses(&self) {
+        for state in self.states() {
+            let tip = Posed::at(&self.resolved.spec, &numbers(&state["q"])).tip;
+            let position = tip.translation.vector;
             check_close(
                 "tip position",
-                tip.translation.vector.as_slice(),
+                position.as_slice(),
                 &numbers(&state["tip_position"]),
+                TOLERANCE,
             );
             let rotation = tip.rotation.to_rotation_matrix();
             let rows = rotation.matrix().transpose();
@@ -123,23 +116,33 @@ impl Arm {
                 "tip rotation",
                 rows.as_slice(),
                 &numbers(&state["tip_rotation"]),
+                TOLERANCE,
             );
+        }
+    }
+
+    /// Mass matrices and gravity torques, which together determine every torque of a rigid-body chain.
+    pub(crate) fn check_dynamics(&self, tolerance: f64) {
+        for state in self.states() {
+            let posed = Posed::at(&self.resolved.spec, &numbers(&state["q"]));
             let mass_matrix = [&state["mass_matrix"], &state["mass_matrix_rigid"]];
-            let mass_matrix = mass_matrix
-                .iter()
-                .find(|matrix| !matrix.is_null())
-                .expect("a mass matrix");
-            check_close(
-                "mass matrix",
-                posed.mass_matrix().as_slice(),
-                &numbers(mass_matrix),
-            );
+            let mass_matrix = mass_matrix.into_iter().find(|matrix| !matrix.is_null());
+            let mass_matrix = numbers(mass_matrix.expect("a state has a mass matrix"));
+            check_close("mass matrix", posed.mass_matrix().as_slice(), &mass_matrix, tolerance);
+            let gravity_torque = numbers(&state["tau_gravity"]);
             check_close(
                 "gravity torque",
                 posed.gravity_torque().as_slice(),
-                &numbers(&state["tau_gravity"]),
+                &gravity_torque,
+                tolerance,
             );
         }
+    }
+
+    fn states(&self) -> &[Value] {
+        let states = self.oracle["states"].as_array().expect("an oracle has states");
+        assert!(!states.is_empty());
+        states
     }
 }
 
@@ -156,10 +159,9 @@ impl<'a> Posed<'a> {
         let mut joints = Vec::new();
         for (joint, q) in spec.joints.iter().zip(q) {
             let motion = match joint.kind {
-                JointKind::Prismatic => Isometry3::from_parts(
-                    Translation3::from(joint.axis * *q),
-                    UnitQuaternion::identity(),
-                ),
+                JointKind::Prismatic => {
+                    Isometry3::from_parts(Translation3::from(joint.axis * *q), UnitQuaternion::identity())
+                }
                 JointKind::Revolute | JointKind::Continuous => {
                     let rotation = Rotation3::from_axis_angle(&Unit::new_unchecked(joint.axis), *q);
                     Isometry3::from_parts(
@@ -213,8 +215,7 @@ impl<'a> Posed<'a> {
         for link in 0..count {
             let (mass, center, inertia) = self.body(link);
             let (linear, angular) = self.jacobians(link, &center);
-            matrix +=
-                linear.transpose() * &linear * mass + angular.transpose() * inertia * &angular;
+            matrix += linear.transpose() * &linear * mass + angular.transpose() * inertia * &angular;
         }
         matrix
     }
@@ -234,23 +235,17 @@ impl<'a> Posed<'a> {
 pub(crate) fn numbers(value: &Value) -> Vec<f64> {
     match value {
         Value::Array(values) => values.iter().flat_map(numbers).collect(),
-        other => vec![
-            other
-                .as_f64()
-                .unwrap_or_else(|| panic!("{other} is not a number")),
-        ],
+        other => vec![other.as_f64().unwrap_or_else(|| panic!("{other} is not a number"))],
     }
 }
 
-fn check_close(what: &str, actual: &[f64], expected: &[f64]) {
+fn check_close(what: &str, actual: &[f64], expected: &[f64], tolerance: f64) {
     assert_eq!(actual.len(), expected.len(), "{what}");
-    let scale = expected
-        .iter()
-        .fold(1e-6_f64, |scale, value| scale.max(value.abs()));
+    let scale = expected.iter().fold(1e-6_f64, |scale, value| scale.max(value.abs()));
     for (actual_entry, expected_entry) in actual.iter().zip(expected) {
         let difference = (actual_entry - expected_entry).abs() / scale;
         assert!(
-            difference <= TOLERANCE,
+            difference <= tolerance,
             "{what}: off by {difference:e}\n{actual:?}\n{expected:?}"
         );
     }

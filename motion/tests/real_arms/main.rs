@@ -2,6 +2,7 @@
 //! textbook formulas written out here.
 
 mod arm;
+mod example;
 mod puma;
 
 use arm::{Arm, json};
@@ -52,4 +53,47 @@ fn puma560_from_its_urdf() {
 fn puma560_from_its_dh_table() {
     let oracle = json("tests/vectors/robots/puma560/oracle.json");
     Arm::described(puma::description(), oracle).check();
+}
+
+/// The example's figures are rounded to twelve digits, and the URDF's right angles to ten.
+const EXAMPLE_TOLERANCE: f64 = 1e-6;
+
+fn check_example(name: &str, folder: &str) {
+    let oracle = json(&format!("tests/vectors/robots/{folder}/oracle.json"));
+    let arm = Arm::described(example::description(name), oracle);
+    arm.check_dynamics(EXAMPLE_TOLERANCE);
+    assert_eq!(arm.resolved.warnings.len(), 0, "{:?}", arm.resolved.warnings);
+}
+
+#[test]
+fn the_example_ur5e_moves_and_weighs_as_its_urdf() {
+    check_example("ur5e", "ur5e");
+}
+
+#[test]
+fn the_example_fr3_moves_and_weighs_as_its_urdf() {
+    check_example("fr3", "fr3");
+}
+
+#[test]
+fn the_example_puma560_is_the_published_one() {
+    let oracle = json("tests/vectors/robots/puma560/oracle.json");
+    let arm = Arm::described(example::description("puma560"), oracle);
+    arm.check();
+    assert_eq!(arm.resolved.warnings.len(), 1, "its first link has inertia and no mass");
+    let drives = arm.resolved.spec.joints.iter().map(|joint| &joint.drive);
+    let reflected: Vec<f64> = drives
+        .map(|drive| drive.gear_ratio.powi(2) * drive.rotor_inertia)
+        .collect();
+    let published = [0.78, 2.3, 0.58, 0.19, 0.17, 0.19];
+    for (actual, expected) in reflected.iter().zip(published) {
+        assert!((actual - expected).abs() < 0.05, "{reflected:?}");
+    }
+}
+
+#[test]
+fn the_example_scara_is_complete() {
+    let resolved = example::description("scara").resolve().unwrap();
+    assert_eq!(resolved.warnings.len(), 0, "{:?}", resolved.warnings);
+    assert_eq!(resolved.spec.joints.len(), 4);
 }

@@ -22,10 +22,7 @@ fn link(value: &Value) -> DhLink {
         panic!("six entries of an inertia tensor");
     };
     DhLink {
-        name: value["joint"]
-            .as_str()
-            .expect("a joint has a name")
-            .to_owned(),
+        name: value["joint"].as_str().expect("a joint has a name").to_owned(),
         prismatic: false,
         a: number("a"),
         alpha: number("alpha"),

@@ -230,7 +230,7 @@ fn plan_to_wire(plan: MovePlan, robot: &RobotSpec) -> v1::MovePlan {
         fallback: fallback_to_wire(plan.fallback).into(),
         patterns: patterns.collect(),
         torque_margins: margins_to_wire(&plan.torque_margins, robot),
-        limiting: Some(limiting_to_wire(&plan.limiting, robot)),
+        limiting: plan.limiting.as_ref().map(|limiting| limiting_to_wire(limiting, robot)),
         raw_excess: plan.raw_excess,
         raw_duration_s: plan.raw_duration,
         override_safe: plan.override_safe.as_ref().map(|safety| safety_to_wire(safety, robot)),
@@ -293,7 +293,6 @@ fn limiting_to_wire(limiting: &Limiting, robot: &RobotSpec) -> v1::Limiting {
         LimitingKind::Acceleration => Kind::AccelerationLimit,
         LimitingKind::Deceleration => Kind::DecelerationLimit,
         LimitingKind::PresetAcceleration => Kind::PresetAcceleration,
-        LimitingKind::SamplePeriod => Kind::SamplePeriod,
     };
     v1::Limiting {
         kind: kind.into(),

@@ -235,8 +235,18 @@ async fn write(
     record: &Record,
     expected: Option<&str>,
 ) -> Result<(), StoreError> {
-    let mut transaction = connection.begin_with("BEGIN IMMEDIATE").await.map_err(failed)?;
-    let current = read_one(&mut transaction, id).await?;
+    begin(connection).await?;
+    let written = write_within(connection, id, record, expected).await;
+    end(connection, written).await
+}
+
+async fn write_within(
+    connection: &mut SqliteConnection,
+    id: &RobotId,
+    record: &Record,
+    expected: Option<&str>,
+) -> Result<(), StoreError> {
+    let current = read_one(connection, id).await?;
     check_expected(current.as_ref(), expected)?;
     if current.as_ref() == Some(&record.revision) {
         return Ok(());
@@ -261,14 +271,23 @@ async fn write(
         .bind(&*record.revision),
     ];
     for statement in statements {
-        statement.execute(&mut *transaction).await.map_err(failed)?;
+        statement.execute(&mut *connection).await.map_err(failed)?;
     }
-    transaction.commit().await.map_err(failed)
+    Ok(())
 }
 
 async fn delete(connection: &mut SqliteConnection, id: &RobotId, expected: Option<&str>) -> Result<(), StoreError> {
-    let mut transaction = connection.begin_with("BEGIN IMMEDIATE").await.map_err(failed)?;
-    let current = read_one(&mut transaction, id).await?;
+    begin(connection).await?;
+    let deleted = delete_within(connection, id, expected).await;
+    end(connection, deleted).await
+}
+
+async fn delete_within(
+    connection: &mut SqliteConnection,
+    id: &RobotId,
+    expected: Option<&str>,
+) -> Result<(), StoreError> {
+    let current = read_one(connection, id).await?;
     if current.is_none() {
         return Err(StoreError::NotFound);
     }
@@ -280,9 +299,29 @@ async fn delete(connection: &mut SqliteConnection, id: &RobotId, expected: Optio
     ];
     for statement in statements {
         let statement = statement.bind(id.as_str());
-        statement.execute(&mut *transaction).await.map_err(failed)?;
+        statement.execute(&mut *connection).await.map_err(failed)?;
     }
-    transaction.commit().await.map_err(failed)
+    Ok(())
+}
+
+/// Begins a transaction that writes. By hand: SQLite itself rolls back where the disk is full, which the library's
+/// transactions do not expect.
+async fn begin(connection: &mut SqliteConnection) -> Result<(), StoreError> {
+    let begun = sqlx::query("BEGIN IMMEDIATE").execute(connection);
+    begun.await.map(drop).map_err(failed)
+}
+
+/// Commits what went well, and takes back what did not.
+async fn end(connection: &mut SqliteConnection, result: Result<(), StoreError>) -> Result<(), StoreError> {
+    let ended = match result {
+        Ok(()) => sqlx::query("COMMIT").execute(&mut *connection).await.map(drop).map_err(failed),
+        Err(error) => Err(error),
+    };
+    if ended.is_err() {
+        // Fails where SQLite has rolled back already.
+        let _ = sqlx::query("ROLLBACK").execute(connection).await;
+    }
+    ended
 }
 
 async fn read_one(connection: &mut SqliteConnection, id: &RobotId) -> Result<Option<Revision>, StoreError> {

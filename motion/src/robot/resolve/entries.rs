@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use crate::robot::bounds::{
-    ACCELERATION, DAMPING, FRICTION, GEAR_RATIO, JERK, MAX_JOINT_ENTRIES, MAX_STIFFNESS_TERMS,
-    POSITION, ROTOR_INERTIA, STIFFNESS, TORQUE, TORQUE_CONSTANT, VELOCITY,
+    ACCELERATION, DAMPING, FRICTION, GEAR_RATIO, JERK, MAX_JOINT_ENTRIES, MAX_STIFFNESS_TERMS, POSITION, ROTOR_INERTIA,
+    STIFFNESS, TORQUE, TORQUE_CONSTANT, VELOCITY,
 };
 use crate::robot::chain::Chain;
 use crate::robot::description::{DriveEntry, FrictionEntry, JointEntry};
@@ -16,10 +16,7 @@ pub(super) fn check(entries: &[JointEntry], findings: &mut Findings) -> bool {
     if entries.len() > MAX_JOINT_ENTRIES {
         findings.error(
             "joints",
-            format!(
-                "{} entries must be at most {MAX_JOINT_ENTRIES}",
-                entries.len()
-            ),
+            format!("{} entries must be at most {MAX_JOINT_ENTRIES}", entries.len()),
         );
         return false;
     }
@@ -45,16 +42,8 @@ fn check_limits(path: &str, limits: &Limits, findings: &mut Findings) {
         ("acceleration", limits.acceleration, &ACCELERATION),
         ("deceleration", limits.deceleration, &ACCELERATION),
         ("jerk", limits.jerk, &JERK),
-        (
-            "preset_acceleration",
-            limits.preset_acceleration,
-            &ACCELERATION,
-        ),
-        (
-            "preset_deceleration",
-            limits.preset_deceleration,
-            &ACCELERATION,
-        ),
+        ("preset_acceleration", limits.preset_acceleration, &ACCELERATION),
+        ("preset_deceleration", limits.preset_deceleration, &ACCELERATION),
     ] {
         findings.check_some(format!("{path}.{field}"), value, bound);
     }
@@ -65,11 +54,7 @@ fn check_drive(path: &str, drive: &DriveEntry, findings: &mut Findings) {
         ("peak_torque", drive.peak_torque, &TORQUE),
         ("rated_torque", drive.rated_torque, &TORQUE),
         ("rotor_inertia_kg_m2", drive.rotor_inertia, &ROTOR_INERTIA),
-        (
-            "torque_constant_nm_per_a",
-            drive.torque_constant,
-            &TORQUE_CONSTANT,
-        ),
+        ("torque_constant_nm_per_a", drive.torque_constant, &TORQUE_CONSTANT),
         ("damping", drive.damping, &DAMPING),
     ] {
         findings.check_some(format!("{path}.{field}"), value, bound);
@@ -125,11 +110,7 @@ fn check_friction(path: &str, friction: Option<&FrictionEntry>, findings: &mut F
 }
 
 /// Per joint of the chain the index of its entry; `None` where an entry names no joint or one that has an entry.
-pub(super) fn by_joint(
-    entries: &[JointEntry],
-    chain: &Chain,
-    findings: &mut Findings,
-) -> Option<Vec<Option<usize>>> {
+pub(super) fn by_joint(entries: &[JointEntry], chain: &Chain, findings: &mut Findings) -> Option<Vec<Option<usize>>> {
     if entries.len() > MAX_JOINT_ENTRIES {
         return None;
     }
@@ -142,10 +123,7 @@ pub(super) fn by_joint(
         let Some(joint) = joint_of.get(entry.name.as_str()) else {
             is_sound = false;
             let name = quoted(&entry.name);
-            findings.error(
-                path,
-                format!("{name} is not a joint of the chain: {}", listed(names())),
-            );
+            findings.error(path, format!("{name} is not a joint of the chain: {}", listed(names())));
             continue;
         };
         if let Some(first) = entry_of[*joint] {

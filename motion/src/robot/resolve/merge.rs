@@ -5,12 +5,7 @@ use crate::robot::findings::{Findings, quoted};
 use crate::robot::spec::{Drive, Friction, JointKind, JointSpec, Limits};
 
 /// What the entry states takes the place of what the joint has.
-pub(super) fn lay_over(
-    joint: &mut JointSpec,
-    entry: &JointEntry,
-    index: usize,
-    findings: &mut Findings,
-) {
+pub(super) fn lay_over(joint: &mut JointSpec, entry: &JointEntry, index: usize, findings: &mut Findings) {
     lay_limits(joint, &entry.limits, index, findings);
     lay_drive(&mut joint.drive, &entry.drive);
 }

@@ -50,9 +50,7 @@ impl<'a, 'i: 'a> Element<'a, 'i> {
             .node
             .children()
             .filter(|child| child.is_element())
-            .filter(|child| {
-                child.tag_name().name() == name && child.tag_name().namespace() == namespace
-            });
+            .filter(|child| child.tag_name().name() == name && child.tag_name().namespace() == namespace);
         let node = children.next()?;
         if let Some(second) = children.next() {
             let line = self.lines.line(&second);
@@ -72,25 +70,14 @@ impl<'a, 'i: 'a> Element<'a, 'i> {
     pub(super) fn error(&self, message: &str, findings: &mut Findings) {
         findings.error(
             "urdf",
-            format!(
-                "{} {} (line {}): {message}",
-                self.what,
-                quoted(self.owner),
-                self.line()
-            ),
+            format!("{} {} (line {}): {message}", self.what, quoted(self.owner), self.line()),
         );
     }
 
     /// A number within its bound; `None` where it is not stated, or is wrong.
-    pub(super) fn bounded(
-        &self,
-        attribute: &str,
-        bound: &Bound,
-        findings: &mut Findings,
-    ) -> Option<f64> {
+    pub(super) fn bounded(&self, attribute: &str, bound: &Bound, findings: &mut Findings) -> Option<f64> {
         let value = self.number(attribute, findings)?;
-        self.check(attribute, value, bound, findings)
-            .then_some(value)
+        self.check(attribute, value, bound, findings).then_some(value)
     }
 
     /// A finite number; `None` where it is not stated, or is none.
@@ -104,12 +91,7 @@ impl<'a, 'i: 'a> Element<'a, 'i> {
     }
 
     /// A number that must be stated.
-    pub(super) fn required(
-        &self,
-        attribute: &str,
-        bound: &Bound,
-        findings: &mut Findings,
-    ) -> Option<f64> {
+    pub(super) fn required(&self, attribute: &str, bound: &Bound, findings: &mut Findings) -> Option<f64> {
         if self.text(attribute).is_none() {
             let tag = self.node.tag_name().name();
             self.error(&format!("<{tag}> has no {attribute}"), findings);
@@ -119,12 +101,7 @@ impl<'a, 'i: 'a> Element<'a, 'i> {
     }
 
     /// Three numbers; `None` where they are not stated, or one is wrong.
-    pub(super) fn vector(
-        &self,
-        attribute: &str,
-        bound: &Bound,
-        findings: &mut Findings,
-    ) -> Option<Vector3<f64>> {
+    pub(super) fn vector(&self, attribute: &str, bound: &Bound, findings: &mut Findings) -> Option<Vector3<f64>> {
         let text = self.text(attribute)?;
         let mut vector = Vector3::zeros();
         let mut count = 0;
@@ -174,10 +151,7 @@ impl<'a, 'i: 'a> Element<'a, 'i> {
     fn not_finite(&self, attribute: &str, text: &str, findings: &mut Findings) {
         let tag = self.node.tag_name().name();
         self.error(
-            &format!(
-                "{attribute} of <{tag}> is {}, not a finite number",
-                quoted(text)
-            ),
+            &format!("{attribute} of <{tag}> is {}, not a finite number", quoted(text)),
             findings,
         );
     }
@@ -185,8 +159,5 @@ impl<'a, 'i: 'a> Element<'a, 'i> {
 
 /// A finite number in XML's spelling; overflow to infinity is none.
 fn parse(text: &str) -> Option<f64> {
-    text.trim()
-        .parse()
-        .ok()
-        .filter(|value: &f64| value.is_finite())
+    text.trim().parse().ok().filter(|value: &f64| value.is_finite())
 }

@@ -5,10 +5,7 @@ use crate::robot::bounds::{MAX_URDF_BYTES, MAX_XML_ATTRIBUTES, MAX_XML_DEPTH, MA
 /// Says what about the shape of `text` is beyond its cap. Malformed text passes: the parser says better why.
 pub(super) fn check(text: &str) -> Result<(), String> {
     if text.len() > MAX_URDF_BYTES {
-        return Err(format!(
-            "{} bytes of text must be at most {MAX_URDF_BYTES}",
-            text.len()
-        ));
+        return Err(format!("{} bytes of text must be at most {MAX_URDF_BYTES}", text.len()));
     }
     let namespaces = text.matches("xmlns").count();
     if namespaces > MAX_XML_NAMESPACES {
@@ -124,8 +121,5 @@ impl Markup {
 }
 
 fn line_of(text: &str, offset: usize) -> usize {
-    1 + text.as_bytes()[..offset]
-        .iter()
-        .filter(|byte| **byte == b'\n')
-        .count()
+    1 + text.as_bytes()[..offset].iter().filter(|byte| **byte == b'\n').count()
 }

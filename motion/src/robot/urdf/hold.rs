@@ -30,10 +30,7 @@ impl<'m, 'a> Hold<'m, 'a> {
     pub(super) fn pose(&mut self, index: usize, findings: &mut Findings) -> (Isometry3<f64>, f64) {
         let joint = &self.model.joints[index];
         let position = self.position(index, findings);
-        (
-            joint.parent_from_joint * displacement(joint, position),
-            position,
-        )
+        (joint.parent_from_joint * displacement(joint, position), position)
     }
 
     /// Follows the masters up to one that stands by itself, then comes back down.
@@ -102,11 +99,7 @@ fn rest(joint: &Joint<'_>) -> f64 {
 fn displacement(joint: &Joint<'_>, position: f64) -> Isometry3<f64> {
     match joint.kind {
         Kind::Fixed | Kind::Floating | Kind::Planar => Isometry3::identity(),
-        Kind::Revolute | Kind::Continuous => {
-            rotation::pose(Vector3::zeros(), rotation::about(&joint.axis, position))
-        }
-        Kind::Prismatic => {
-            rotation::pose(joint.axis * position, nalgebra::UnitQuaternion::identity())
-        }
+        Kind::Revolute | Kind::Continuous => rotation::pose(Vector3::zeros(), rotation::about(&joint.axis, position)),
+        Kind::Prismatic => rotation::pose(joint.axis * position, nalgebra::UnitQuaternion::identity()),
     }
 }

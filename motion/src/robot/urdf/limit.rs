@@ -13,10 +13,11 @@ use crate::robot::bounds::{ACCELERATION, Bound, JERK, POSITION, TORQUE, VELOCITY
 use crate::robot::findings::{Findings, quoted};
 use crate::robot::spec::Limits;
 
-/// The limits of a joint and its effort.
+/// The limits of a joint and its effort. What is odd about them matters only on the chain, so it is handed back.
 pub(super) fn read(
     joint: &Element<'_, '_>,
     kind: Kind,
+    oddities: &mut Vec<String>,
     findings: &mut Findings,
 ) -> (Limits, Option<f64>) {
     let mut limits = Limits::default();
@@ -26,28 +27,26 @@ pub(super) fn read(
     let name = quoted(joint.owner);
     let Some(limit) = joint.child("limit", findings) else {
         if kind.has_range() {
-            findings.warn(format!(
-                "joint {name}: no <limit>, its position is taken as unlimited"
-            ));
+            oddities.push(format!("joint {name}: no <limit>, its position is taken as unlimited"));
         }
         return (limits, None);
     };
     let lower = limit.number("lower", findings);
     let upper = limit.number("upper", findings);
     if kind.has_range() {
-        (limits.position_lower, limits.position_upper) = range(&limit, lower, upper, findings);
+        (limits.position_lower, limits.position_upper) = range(&limit, lower, upper, oddities, findings);
     } else if lower.unwrap_or(0.0) < upper.unwrap_or(0.0) {
-        findings.warn(format!(
+        oddities.push(format!(
             "joint {name}: continuous, so its position limits {:?} to {:?} are not used",
             lower.unwrap_or(0.0),
             upper.unwrap_or(0.0)
         ));
     }
-    limits.velocity = positive(&limit, "velocity", &VELOCITY, findings);
-    limits.acceleration = positive(&limit, "acceleration", &ACCELERATION, findings);
-    limits.deceleration = positive(&limit, "deceleration", &ACCELERATION, findings);
-    limits.jerk = positive(&limit, "jerk", &JERK, findings);
-    let effort = positive(&limit, "effort", &TORQUE, findings);
+    limits.velocity = positive(&limit, "velocity", &VELOCITY, oddities, findings);
+    limits.acceleration = positive(&limit, "acceleration", &ACCELERATION, oddities, findings);
+    limits.deceleration = positive(&limit, "deceleration", &ACCELERATION, oddities, findings);
+    limits.jerk = positive(&limit, "jerk", &JERK, oddities, findings);
+    let effort = positive(&limit, "effort", &TORQUE, oddities, findings);
     (limits, effort)
 }
 
@@ -55,15 +54,13 @@ fn range(
     limit: &Element<'_, '_>,
     lower: Option<f64>,
     upper: Option<f64>,
+    oddities: &mut Vec<String>,
     findings: &mut Findings,
 ) -> (Option<f64>, Option<f64>) {
     let name = quoted(limit.owner);
-    let (Some(lower), Some(upper)) = (
-        lower.or(upper.and(Some(0.0))),
-        upper.or(lower.and(Some(0.0))),
-    ) else {
+    let (Some(lower), Some(upper)) = (lower.or(upper.and(Some(0.0))), upper.or(lower.and(Some(0.0)))) else {
         if limit.text("lower").is_none() && limit.text("upper").is_none() {
-            findings.warn(format!(
+            oddities.push(format!(
                 "joint {name}: no lower and upper in its <limit>, its position is taken as unlimited"
             ));
         }
@@ -77,13 +74,13 @@ fn range(
         return (None, None);
     }
     if lower == upper {
-        findings.warn(format!(
+        oddities.push(format!(
             "joint {name}: lower = upper = {lower:?}, it has no room to move"
         ));
     }
     let within = |value: f64| POSITION.fault(value).is_none().then_some(value);
     if within(lower).is_none() || within(upper).is_none() {
-        findings.warn(format!(
+        oddities.push(format!(
             "joint {name}: a position limit of {lower:?} to {upper:?} is beyond {:?} and taken as none",
             POSITION.max()
         ));
@@ -96,6 +93,7 @@ fn positive(
     limit: &Element<'_, '_>,
     attribute: &str,
     bound: &Bound,
+    oddities: &mut Vec<String>,
     findings: &mut Findings,
 ) -> Option<f64> {
     let value = limit.number(attribute, findings)?;
@@ -103,7 +101,7 @@ fn positive(
         return None;
     }
     if value > bound.max() {
-        findings.warn(format!(
+        oddities.push(format!(
             "joint {}: {attribute} {value:?} is beyond {:?} and taken as no limit",
             quoted(limit.owner),
             bound.max()

@@ -38,6 +38,8 @@ pub(super) struct Joint<'a> {
     pub(super) effort: Option<f64>,
     pub(super) dynamics: Dynamics,
     pub(super) mimic: Option<Mimic<'a>>,
+    /// Warnings that matter where the joint is on the chain.
+    pub(super) oddities: Vec<String>,
 }
 
 /// How a joint moves, with the kinds that a chain cannot have.

@@ -9,9 +9,7 @@ use roxmltree::{Document, Error, Node, ParsingOptions};
 use super::element::{Element, Lines};
 use super::limit;
 use super::model::{Dynamics, Joint, Kind, Link, Mimic, Model};
-use crate::robot::bounds::{
-    Bound, INERTIA, LENGTH, MASS, MAX_LINKS, MAX_NAME_BYTES, MAX_XML_NODES, MIMIC, MIN_AXIS,
-};
+use crate::robot::bounds::{Bound, INERTIA, LENGTH, MASS, MAX_LINKS, MAX_NAME_BYTES, MAX_XML_NODES, MIMIC, MIN_AXIS};
 use crate::robot::findings::{Findings, quoted};
 use crate::robot::spec::Inertial;
 
@@ -30,31 +28,20 @@ pub(super) fn parse(text: &str) -> Result<Document<'_>, String> {
             format!("its elements, texts and comments must be at most {MAX_XML_NODES}")
         }
         other => {
-            let message: String = other
-                .to_string()
-                .chars()
-                .take(MAX_PARSER_MESSAGE_CHARS)
-                .collect();
+            let message: String = other.to_string().chars().take(MAX_PARSER_MESSAGE_CHARS).collect();
             format!("not well-formed XML: {message}")
         }
     })
 }
 
 /// The links and joints; `None` where something is wrong with them.
-pub(super) fn model<'a>(
-    document: &'a Document<'_>,
-    lines: &'a Lines,
-    findings: &mut Findings,
-) -> Option<Model<'a>> {
+pub(super) fn model<'a>(document: &'a Document<'_>, lines: &'a Lines, findings: &mut Findings) -> Option<Model<'a>> {
     let root = document.root_element();
     let tag = root.tag_name();
     if tag.name() != "robot" {
         findings.error(
             "urdf",
-            format!(
-                "the root element is <{}>, a URDF has <robot>",
-                quoted(tag.name())
-            ),
+            format!("the root element is <{}>, a URDF has <robot>", quoted(tag.name())),
         );
         return None;
     }
@@ -106,11 +93,7 @@ fn link<'a>(node: Node<'a, '_>, lines: &'a Lines, findings: &mut Findings) -> Op
     let inertial = element
         .child("inertial", findings)
         .and_then(|inertial| self::inertial(&inertial, findings));
-    Some(Link {
-        name,
-        line,
-        inertial,
-    })
+    Some(Link { name, line, inertial })
 }
 
 /// `<inertial>`: mass and inertia stand in the axes of its own origin.
@@ -135,8 +118,8 @@ fn inertial(element: &Element<'_, '_>, findings: &mut Findings) -> Option<Inerti
 }
 
 fn tensor(element: &Element<'_, '_>, findings: &mut Findings) -> Option<Matrix3<f64>> {
-    let [xx, xy, xz, yy, yz, zz] = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"]
-        .map(|attribute| element.required(attribute, &INERTIA, findings));
+    let [xx, xy, xz, yy, yz, zz] =
+        ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"].map(|attribute| element.required(attribute, &INERTIA, findings));
     let (xx, xy, xz, yy, yz, zz) = (xx?, xy?, xz?, yy?, yz?, zz?);
     Some(Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz))
 }
@@ -156,7 +139,8 @@ fn joint<'a>(node: Node<'a, '_>, lines: &'a Lines, findings: &mut Findings) -> O
     let kind = kind?;
     let parent_from_joint = element.origin(findings);
     let axis = axis(&element, kind, findings);
-    let (limits, effort) = limit::read(&element, kind, findings);
+    let mut oddities = Vec::new();
+    let (limits, effort) = limit::read(&element, kind, &mut oddities, findings);
     let dynamics = dynamics(&element, findings);
     let mimic = mimic(&element, kind, findings);
     Some(Joint {
@@ -171,6 +155,7 @@ fn joint<'a>(node: Node<'a, '_>, lines: &'a Lines, findings: &mut Findings) -> O
         effort,
         dynamics,
         mimic,
+        oddities,
     })
 }
 
@@ -213,9 +198,7 @@ fn kind(element: &Element<'_, '_>, findings: &mut Findings) -> Option<Kind> {
 
 /// The link that `<parent>` or `<child>` names.
 fn linked<'a>(element: &Element<'a, '_>, tag: &str, findings: &mut Findings) -> Option<&'a str> {
-    let link = element
-        .child(tag, findings)
-        .and_then(|child| child.text("link"));
+    let link = element.child(tag, findings).and_then(|child| child.text("link"));
     if link.is_none() {
         element.error(&format!("has no <{tag} link=…>"), findings);
     }
@@ -267,9 +250,7 @@ fn mimic<'a>(element: &Element<'a, '_>, kind: Kind, findings: &mut Findings) -> 
         element.error("<mimic> has no joint", findings);
         return None;
     };
-    let read = |attribute: &str, bound: &Bound, findings: &mut Findings| {
-        mimic.bounded(attribute, bound, findings)
-    };
+    let read = |attribute: &str, bound: &Bound, findings: &mut Findings| mimic.bounded(attribute, bound, findings);
     Some(Mimic {
         master,
         multiplier: read("multiplier", &MIMIC, findings).unwrap_or(1.0),

@@ -61,6 +61,9 @@ impl<'m, 'a> Selection<'m, 'a> {
     fn check_joints(&self, tip: usize, findings: &mut Findings) {
         let joints = self.path.iter().map(|joint| &self.model.joints[*joint]);
         for joint in joints.clone() {
+            for oddity in &joint.oddities {
+                findings.warn(oddity);
+            }
             if matches!(joint.kind, Kind::Floating | Kind::Planar) {
                 let kind = joint.kind.name();
                 findings.error(
@@ -109,27 +112,14 @@ impl<'m, 'a> Selection<'m, 'a> {
             match moving_kind(joint.kind) {
                 None => link_from_frame = link_from_joint,
                 Some(kind) => {
-                    joints.push(joint_spec(
-                        joint,
-                        kind,
-                        link_from_joint,
-                        use_dynamics,
-                        findings,
-                    ));
+                    joints.push(joint_spec(joint, kind, link_from_joint, use_dynamics, findings));
                     link_from_frame = Isometry3::identity();
                 }
             }
             // Before the first moving joint everything stands still with the base link.
             if let Some(moving) = joints.last_mut() {
                 let link = self.tree.ends[*index].1;
-                self.fold(
-                    link,
-                    &link_from_frame,
-                    &mut moving.link,
-                    &mut hold,
-                    &mut held,
-                    findings,
-                );
+                self.fold(link, &link_from_frame, &mut moving.link, &mut hold, &mut held, findings);
             }
         }
         for joint in &joints {
@@ -160,36 +150,45 @@ impl<'m, 'a> Selection<'m, 'a> {
         held: &mut Held<'m>,
         findings: &mut Findings,
     ) {
-        let mut open = vec![(link, *body_from_link)];
-        while let Some((link, body_from_link)) = open.pop() {
-            let model = &self.model.links[link];
-            if let Some(inertial) = &model.inertial {
-                if let Some(oddity) = inertial::oddity("link", model.name, inertial) {
-                    findings.warn(oddity);
-                }
-                *body = body.joined(&inertial.seen_from(&body_from_link));
+        let mut open = Vec::new();
+        self.add(link, *body_from_link, body, &mut open, findings);
+        while let Some((index, body_from_parent)) = open.pop() {
+            let joint = &self.model.joints[index];
+            let (parent_from_child, position) = hold.pose(index, findings);
+            if joint.kind != Kind::Fixed {
+                held.joints.push((joint.name, position));
             }
-            // Taken from the back, so put there in reverse: links are met in the document's order.
-            for index in self.tree.joints_below[link].iter().rev().copied() {
-                if self.on_chain[index] {
-                    continue;
-                }
-                let (link_from_child, position) = hold.pose(index, findings);
-                let joint = &self.model.joints[index];
-                if joint.kind != Kind::Fixed {
-                    held.joints.push((joint.name, position));
-                }
-                let body_from_child = renormalized(body_from_link * link_from_child);
-                open.push((self.tree.ends[index].1, body_from_child));
-            }
+            let body_from_child = renormalized(body_from_parent * parent_from_child);
+            self.add(self.tree.ends[index].1, body_from_child, body, &mut open, findings);
         }
+    }
+
+    /// Adds one link to a body, and to `open` the joints that hang on it beside the chain.
+    fn add(
+        &self,
+        link: usize,
+        body_from_link: Isometry3<f64>,
+        body: &mut Inertial,
+        open: &mut Vec<(usize, Isometry3<f64>)>,
+        findings: &mut Findings,
+    ) {
+        let model = &self.model.links[link];
+        if let Some(inertial) = &model.inertial {
+            if let Some(oddity) = inertial::oddity("link", model.name, inertial) {
+                findings.warn(oddity);
+            }
+            *body = body.joined(&inertial.seen_from(&body_from_link));
+        }
+        // Taken from the back, so put there in reverse: links are met in the document's order.
+        let joints = self.tree.joints_below[link].iter().rev().copied();
+        let beside = joints.filter(|joint| !self.on_chain[*joint]);
+        open.extend(beside.map(|joint| (joint, body_from_link)));
     }
 
     /// A file with values that look like friction should not be thought to be planned with.
     fn warn_of_dynamics(&self, findings: &mut Findings) {
         let joints = self.path.iter().map(|joint| &self.model.joints[*joint]);
-        let mut stated =
-            joints.filter(|joint| joint.dynamics.damping != 0.0 || joint.dynamics.friction != 0.0);
+        let mut stated = joints.filter(|joint| joint.dynamics.damping != 0.0 || joint.dynamics.friction != 0.0);
         let Some(first) = stated.next() else {
             return;
         };
@@ -239,12 +238,7 @@ fn find_link(tree: &Tree<'_>, field: &str, name: &str, findings: &mut Findings) 
 }
 
 /// The only leaf below the base link: where there are several, a guess would plan for the wrong arm.
-fn only_leaf(
-    model: &Model<'_>,
-    tree: &Tree<'_>,
-    base: usize,
-    findings: &mut Findings,
-) -> Option<usize> {
+fn only_leaf(model: &Model<'_>, tree: &Tree<'_>, base: usize, findings: &mut Findings) -> Option<usize> {
     let below = tree.below(base);
     let mut leaves: Vec<usize> = below
         .into_iter()
@@ -267,13 +261,7 @@ fn only_leaf(
 }
 
 /// Joints from base to tip.
-fn path(
-    model: &Model<'_>,
-    tree: &Tree<'_>,
-    base: usize,
-    tip: usize,
-    findings: &mut Findings,
-) -> Option<Vec<usize>> {
+fn path(model: &Model<'_>, tree: &Tree<'_>, base: usize, tip: usize, findings: &mut Findings) -> Option<Vec<usize>> {
     let mut path = Vec::new();
     let mut link = tip;
     while link != base {
@@ -334,10 +322,7 @@ fn joint_spec(
 /// `<dynamics>` as friction: damping is viscous, friction is Coulomb's, the same both ways.
 fn friction(joint: &Joint<'_>, findings: &mut Findings) -> Friction {
     let dynamics = &joint.dynamics;
-    for (name, value) in [
-        ("damping", dynamics.damping),
-        ("friction", dynamics.friction),
-    ] {
+    for (name, value) in [("damping", dynamics.damping), ("friction", dynamics.friction)] {
         if let Some(fault) = FRICTION.fault(value) {
             findings.error("urdf", format!("{joint}: {name} of <dynamics>: {fault}"));
         }

@@ -49,6 +49,9 @@ impl<'a> Tree<'a> {
             joint_above[child] = Some(index);
             joints_below[parent].push(index);
         }
+        if findings.has_errors() {
+            return None;
+        }
         let root = root(model, &joint_above, findings)?;
         let tree = Self {
             link_of,
@@ -58,9 +61,6 @@ impl<'a> Tree<'a> {
             ends,
             root,
         };
-        if findings.has_errors() {
-            return None;
-        }
         tree.check_reach(model, findings);
         (!findings.has_errors()).then_some(tree)
     }
@@ -70,11 +70,7 @@ impl<'a> Tree<'a> {
         let mut reached = vec![link];
         let mut next = 0;
         while let Some(link) = reached.get(next) {
-            reached.extend(
-                self.joints_below[*link]
-                    .iter()
-                    .map(|joint| self.ends[*joint].1),
-            );
+            reached.extend(self.joints_below[*link].iter().map(|joint| self.ends[*joint].1));
             next += 1;
         }
         reached
@@ -91,8 +87,7 @@ impl<'a> Tree<'a> {
             is_reached[link] = true;
         }
         let lost = is_reached.iter().position(|reached| !reached);
-        if let Some(joint) = lost.and_then(|link| cycle_joint(link, &self.joint_above, &self.ends))
-        {
+        if let Some(joint) = lost.and_then(|link| cycle_joint(link, &self.joint_above, &self.ends)) {
             findings.error("urdf", cycle_message(model, joint));
         }
     }
@@ -103,10 +98,7 @@ fn links_by_name<'a>(model: &Model<'a>, findings: &mut Findings) -> HashMap<&'a 
     for (index, link) in model.links.iter().enumerate() {
         if let Some(first) = link_of.insert(link.name, index) {
             let line = model.links[first].line;
-            findings.error(
-                "urdf",
-                format!("{link} has the name of the link on line {line}"),
-            );
+            findings.error("urdf", format!("{link} has the name of the link on line {line}"));
         }
     }
     link_of
@@ -117,21 +109,14 @@ fn joints_by_name<'a>(model: &Model<'a>, findings: &mut Findings) -> HashMap<&'a
     for (index, joint) in model.joints.iter().enumerate() {
         if let Some(first) = joint_of.insert(joint.name, index) {
             let line = model.joints[first].line;
-            findings.error(
-                "urdf",
-                format!("{joint} has the name of the joint on line {line}"),
-            );
+            findings.error("urdf", format!("{joint} has the name of the joint on line {line}"));
         }
     }
     joint_of
 }
 
 /// Per joint its two links; incomplete where an error was found.
-fn ends(
-    model: &Model<'_>,
-    link_of: &HashMap<&str, usize>,
-    findings: &mut Findings,
-) -> Vec<(usize, usize)> {
+fn ends(model: &Model<'_>, link_of: &HashMap<&str, usize>, findings: &mut Findings) -> Vec<(usize, usize)> {
     let mut ends = Vec::with_capacity(model.joints.len());
     for joint in &model.joints {
         if joint.parent == joint.child {
@@ -156,11 +141,7 @@ fn ends(
     ends
 }
 
-fn root(
-    model: &Model<'_>,
-    joint_above: &[Option<usize>],
-    findings: &mut Findings,
-) -> Option<usize> {
+fn root(model: &Model<'_>, joint_above: &[Option<usize>], findings: &mut Findings) -> Option<usize> {
     let mut roots = (0..model.links.len()).filter(|link| joint_above[*link].is_none());
     let Some(root) = roots.next() else {
         // Every link has a parent, so the first joint's parents go round in circles too.
@@ -176,7 +157,7 @@ fn root(
         findings.error(
             "urdf",
             format!(
-                "the tree must have one root, but no joint has as its child: {}",
+                "the tree must have one root, but these links are the child of no joint: {}",
                 listed(std::iter::once(model.links[root].name).chain(others))
             ),
         );
@@ -186,11 +167,7 @@ fn root(
 }
 
 /// A joint of the cycle that is above `link`.
-fn cycle_joint(
-    link: usize,
-    joint_above: &[Option<usize>],
-    ends: &[(usize, usize)],
-) -> Option<usize> {
+fn cycle_joint(link: usize, joint_above: &[Option<usize>], ends: &[(usize, usize)]) -> Option<usize> {
     let mut is_seen = vec![false; joint_above.len()];
     let mut link = link;
     loop {

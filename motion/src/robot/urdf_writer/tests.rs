@@ -108,10 +108,7 @@ fn every_kind_of_joint_comes_back() {
 
 #[test]
 fn what_is_unknown_stays_unknown() {
-    let mut spec = robot(vec![
-        joint("a", JointKind::Prismatic),
-        joint("b", JointKind::Prismatic),
-    ]);
+    let mut spec = robot(vec![joint("a", JointKind::Prismatic), joint("b", JointKind::Prismatic)]);
     spec.joints[0].limits = Limits::default();
     spec.joints[0].drive = Drive::default();
     spec.joints[1].limits.position_lower = None;

@@ -1,0 +1,282 @@
+//! The verifier: what a motion asks of every drive, everywhere along it.
+//!
+//! It takes a motion as polynomials of time, knows nothing of how it was planned, and goes its own way to the torque: from
+//! positions, velocities and accelerations through [`crate::dynamics`], not through terms of a path. Between switching
+//! times torques are smooth; they are sampled more densely than they can swing, and every extreme between samples is
+//! found by successive parabolic interpolation.
+
+mod extreme;
+mod overrides;
+
+use crate::dynamics::chain::Chain;
+use crate::dynamics::drive::DriveTerms;
+use crate::dynamics::sweep::Sweep;
+use crate::plan::outcome::OverrideSafety;
+use crate::tolerance::{INTERVALS_MIN, SAMPLE_TRAVEL};
+use crate::trajectory::{Trajectory, evaluate};
+
+/// What a motion asks of the drives.
+#[derive(Debug, Clone)]
+pub(crate) struct Verification {
+    /// One a joint.
+    pub(crate) joints: Vec<JointDemand>,
+    /// Every local extreme near or beyond a limit, for whoever plans again.
+    pub(crate) peaks: Vec<Peak>,
+    /// What slower overrides do; `None` where no torque limit is known.
+    pub(crate) override_safe: Option<OverrideSafety>,
+    /// The torque at every sample, split by how it scales with speed.
+    pub(crate) points: Vec<Point>,
+}
+
+/// What a motion asks of one drive.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct JointDemand {
+    /// The torque of largest magnitude, signed.
+    pub(crate) peak_torque: f64,
+    /// When, s.
+    pub(crate) time: f64,
+    /// In which segment of the motion.
+    pub(crate) segment: usize,
+    /// ∫ τ² dt over the motion.
+    pub(crate) torque_squared: f64,
+    /// Largest speed.
+    pub(crate) peak_velocity: f64,
+    /// W.
+    pub(crate) peak_power: f64,
+}
+
+/// A local extreme of a torque.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Peak {
+    pub(crate) joint: usize,
+    pub(crate) time: f64,
+    pub(crate) segment: usize,
+    pub(crate) torque: f64,
+}
+
+/// Torque of a joint at a moment, by how it scales when the motion runs at a part λ of its speed: λ²·d + λ·f + c.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Point {
+    pub(crate) joint: usize,
+    pub(crate) time: f64,
+    pub(crate) segment: usize,
+    /// Inertia, rotor and velocity products.
+    pub(crate) dynamic: f64,
+    /// Viscous friction.
+    pub(crate) viscous: f64,
+    /// Gravity and Coulomb friction.
+    pub(crate) still: f64,
+    /// Gravity alone.
+    pub(crate) gravity: f64,
+}
+
+impl Point {
+    /// The torque at a part of the speed.
+    pub(crate) fn torque(&self, scale: f64) -> f64 {
+        (self.dynamic * scale + self.viscous) * scale + self.still
+    }
+}
+
+/// The samples of one segment.
+#[derive(Debug, Clone, Copy)]
+struct Stretch {
+    segment: usize,
+    /// Index of the first sample.
+    first: usize,
+    intervals: usize,
+}
+
+/// Scratch of the verifier, reused from plan to plan.
+#[derive(Debug, Default)]
+pub(crate) struct Verifier {
+    sweep: Sweep,
+    refine: Sweep,
+    times: Vec<f64>,
+    /// Total torque at the samples, joint by joint as in the sweep.
+    torque: Vec<f64>,
+}
+
+impl Verifier {
+    /// Verifies a motion. `limits` are the torque limits, `None` where unknown.
+    pub(crate) fn verify(
+        &mut self,
+        chain: &Chain,
+        drives: &[DriveTerms],
+        limits: &[Option<f64>],
+        motion: &Trajectory,
+    ) -> Verification {
+        let directions = directions(motion);
+        let stretches = self.sample(chain, motion);
+        self.add_drives(drives, motion, &directions, &stretches);
+        let mut joints = self.demands(motion, &stretches);
+        let context = extreme::Context {
+            chain,
+            drives,
+            limits,
+            motion,
+            directions: &directions,
+        };
+        let peaks = extreme::find(&context, self, &stretches, &mut joints);
+        let points = self.points(&context, &stretches, &peaks);
+        let override_safe = overrides::worst(&context, &mut self.refine, &points);
+        Verification {
+            joints,
+            peaks,
+            override_safe,
+            points,
+        }
+    }
+
+    /// Fills the sweep with samples of the motion and computes their rigid-body torques.
+    fn sample(&mut self, chain: &Chain, motion: &Trajectory) -> Vec<Stretch> {
+        let mut stretches = Vec::with_capacity(motion.segment_count());
+        let mut count = 0;
+        for (segment, ends) in motion.times().windows(2).enumerate() {
+            let span = ends[1] - ends[0];
+            // velocities do not change sign within a segment
+            let travel: f64 = motion
+                .segment(segment)
+                .iter()
+                .map(|p| (evaluate(p, span).position - p[0]).abs())
+                .sum();
+            let halves = (0.5 * travel / SAMPLE_TRAVEL).ceil() as usize;
+            let intervals = (2 * halves).max(INTERVALS_MIN);
+            stretches.push(Stretch {
+                segment,
+                first: count,
+                intervals,
+            });
+            count += intervals + 1;
+        }
+        self.sweep.reset(motion.joint_count(), count);
+        self.times.clear();
+        for stretch in &stretches {
+            let (from, to) = (motion.times()[stretch.segment], motion.times()[stretch.segment + 1]);
+            let step = (to - from) / stretch.intervals as f64;
+            for k in 0..=stretch.intervals {
+                let local = step * k as f64;
+                self.sweep
+                    .set(stretch.first + k, motion.segment(stretch.segment), local);
+                self.times.push(from + local);
+            }
+        }
+        self.sweep.compute(chain);
+        stretches
+    }
+
+    /// Adds rotors and friction to the rigid-body torques.
+    fn add_drives(&mut self, drives: &[DriveTerms], motion: &Trajectory, directions: &[f64], stretches: &[Stretch]) {
+        self.torque.clear();
+        self.torque.extend_from_slice(&self.sweep.torque);
+        let count = motion.joint_count();
+        for (joint, drive) in drives.iter().enumerate() {
+            let column = self.sweep.column(joint);
+            for stretch in stretches {
+                let coulomb = drive.coulomb(directions[stretch.segment * count + joint]);
+                let samples = column + stretch.first..=column + stretch.first + stretch.intervals;
+                for entry in samples {
+                    self.torque[entry] += drive.armature * self.sweep.acceleration[entry]
+                        + drive.viscous * self.sweep.velocity[entry]
+                        + coulomb;
+                }
+            }
+        }
+    }
+
+    /// Peaks and integrals over the samples.
+    fn demands(&self, motion: &Trajectory, stretches: &[Stretch]) -> Vec<JointDemand> {
+        (0..motion.joint_count())
+            .map(|joint| {
+                let column = self.sweep.column(joint);
+                let mut demand = JointDemand::default();
+                for stretch in stretches {
+                    let span = motion.times()[stretch.segment + 1] - motion.times()[stretch.segment];
+                    let mut sum = 0.0;
+                    for k in 0..=stretch.intervals {
+                        let sample = stretch.first + k;
+                        let torque = self.torque[column + sample];
+                        let velocity = self.sweep.velocity[column + sample];
+                        if torque.abs() > demand.peak_torque.abs() {
+                            demand.peak_torque = torque;
+                            demand.time = self.times[sample];
+                            demand.segment = stretch.segment;
+                        }
+                        demand.peak_velocity = demand.peak_velocity.max(velocity.abs());
+                        demand.peak_power = demand.peak_power.max((torque * velocity).abs());
+                        sum += simpson_weight(k, stretch.intervals) * torque * torque;
+                    }
+                    demand.torque_squared += sum * span / (3.0 * stretch.intervals as f64);
+                }
+                demand
+            })
+            .collect()
+    }
+
+    /// Every sample of every limited joint, and the extremes between them, split by how they scale with speed.
+    fn points(&mut self, context: &extreme::Context<'_>, stretches: &[Stretch], peaks: &[Peak]) -> Vec<Point> {
+        let count = context.drives.len();
+        let mut points = Vec::with_capacity(self.times.len() * count + peaks.len());
+        for (joint, drive) in context.drives.iter().enumerate() {
+            if context.limits[joint].is_none() {
+                continue;
+            }
+            let column = self.sweep.column(joint);
+            for stretch in stretches {
+                let coulomb = drive.coulomb(context.directions[stretch.segment * count + joint]);
+                for sample in stretch.first..=stretch.first + stretch.intervals {
+                    let entry = column + sample;
+                    let gravity = self.sweep.gravity[entry];
+                    points.push(Point {
+                        joint,
+                        time: self.times[sample],
+                        segment: stretch.segment,
+                        dynamic: self.sweep.torque[entry] - gravity + drive.armature * self.sweep.acceleration[entry],
+                        viscous: drive.viscous * self.sweep.velocity[entry],
+                        still: gravity + coulomb,
+                        gravity,
+                    });
+                }
+            }
+        }
+        points.extend(context.points_at(&mut self.refine, peaks));
+        points
+    }
+}
+
+impl Verification {
+    /// What standing still asks: nothing that holding does not.
+    pub(crate) fn at_rest(joint_count: usize) -> Self {
+        Self {
+            joints: vec![JointDemand::default(); joint_count],
+            peaks: Vec::new(),
+            override_safe: None,
+            points: Vec::new(),
+        }
+    }
+}
+
+/// Weights 1 4 2 4 … 4 1 of Simpson's rule.
+fn simpson_weight(k: usize, intervals: usize) -> f64 {
+    if k == 0 || k == intervals {
+        return 1.0;
+    }
+    if k % 2 == 1 { 4.0 } else { 2.0 }
+}
+
+/// The direction in which each joint moves in each segment: 1, −1, or 0 for one that stands.
+///
+/// At the ends of a motion, where speeds are 0, friction has the sign of the motion just after and just before.
+fn directions(motion: &Trajectory) -> Vec<f64> {
+    let mut directions = Vec::with_capacity(motion.segment_count() * motion.joint_count());
+    for (segment, ends) in motion.times().windows(2).enumerate() {
+        let middle = 0.5 * (ends[1] - ends[0]);
+        directions.extend(motion.segment(segment).iter().map(|p| {
+            let velocity = evaluate(p, middle).velocity;
+            if velocity == 0.0 { 0.0 } else { velocity.signum() }
+        }));
+    }
+    directions
+}
+
+#[cfg(test)]
+mod tests;
