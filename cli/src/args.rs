@@ -7,8 +7,8 @@ use takt_client::{Client, Transport};
 
 use crate::{
     commands::{
-        check::CheckArgs, completions::CompletionsArgs, dynamics::DynamicsArgs, plan::PlanCommand,
-        pose::PoseArgs, robot::RobotCommand, serve::ServeArgs,
+        check::CheckArgs, completions::CompletionsArgs, dynamics::DynamicsArgs, plan::PlanCommand, pose::PoseArgs,
+        robot::RobotCommand, serve::ServeArgs,
     },
     failure::Failure,
     numbers,
@@ -92,16 +92,14 @@ impl Connection {
             TransportName::Grpc => Transport::Grpc,
             TransportName::Http => Transport::Http,
         };
-        let builder = Client::builder()
-            .transport(transport)
-            .deadline(self.timeout);
+        let builder = Client::builder().transport(transport).deadline(self.timeout);
         let builder = self
             .server
             .iter()
             .fold(builder, |builder, url| builder.endpoint(url.trim()));
-        builder.build().map_err(|error| {
-            Failure::from(error).hint("name the server with --server URL or TAKT_SERVER")
-        })
+        builder
+            .build()
+            .map_err(|error| Failure::from(error).hint("name the server with --server URL or TAKT_SERVER"))
     }
 }
 
@@ -137,10 +135,7 @@ mod tests {
     fn every_command_teaches_by_example() {
         fn walk(command: &clap::Command) {
             let leaf = command.get_subcommands().next().is_none();
-            let shown = command
-                .get_after_help()
-                .map(ToString::to_string)
-                .unwrap_or_default();
+            let shown = command.get_after_help().map(ToString::to_string).unwrap_or_default();
             assert!(
                 !leaf || shown.contains("Examples:"),
                 "{} has no examples",

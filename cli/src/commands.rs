@@ -20,10 +20,7 @@ use crate::{
 
 /// Runs a command; the exit code says what the answer was.
 pub(crate) fn run(cli: Cli, io: &mut Io) -> Result<u8, Failure> {
-    let Cli {
-        connection,
-        command,
-    } = cli;
+    let Cli { connection, command } = cli;
     let mut builder = match &command {
         Command::Serve(_) => Builder::new_multi_thread(),
         _ => Builder::new_current_thread(),

@@ -64,9 +64,7 @@ impl From<Error> for Failure {
     fn from(error: Error) -> Self {
         let mut failure = match error.kind() {
             ErrorKind::Refused => Self::usage(error.to_string()),
-            ErrorKind::Service | ErrorKind::Transport | ErrorKind::Deadline => {
-                Self::service(error.to_string())
-            }
+            ErrorKind::Service | ErrorKind::Transport | ErrorKind::Deadline => Self::service(error.to_string()),
         };
         let violations = error.violations();
         // One violation is the message already.
@@ -88,18 +86,13 @@ impl From<Error> for Failure {
                 .hint("start a server with: takt serve --examples")
                 .hint("or name a running one with --server URL or TAKT_SERVER"),
             (_, Code::NotFound) => failure.hint("see what is registered with: takt robot list"),
-            (_, Code::Conflict) => {
-                match error.details().get("current_revision").map(String::as_str) {
-                    Some("") => failure.hint(
-                        "there is no such robot yet; register it with --expected-revision ''",
-                    ),
-                    Some(current) => failure.hint(format!("the current revision is {current}")),
-                    None => failure.hint("see the current revision with: takt robot show ROBOT_ID"),
-                }
-            }
-            (ErrorKind::Deadline, _) => {
-                failure.hint("give it more time with --timeout, as in --timeout 60s")
-            }
+            (_, Code::Conflict) => match error.details().get("current_revision").map(String::as_str) {
+                Some("") => failure.hint("there is no such robot yet; register it with --expected-revision ''"),
+                // The message names it.
+                Some(_) => failure,
+                None => failure.hint("see the current revision with: takt robot show ROBOT_ID"),
+            },
+            (ErrorKind::Deadline, _) => failure.hint("give it more time with --timeout, as in --timeout 60s"),
             (_, Code::Overloaded) => failure.hint("the service is busy; try again in a moment"),
             (_, Code::TooLarge) => failure.hint("ask for fewer samples, or send less at once"),
             _ => failure,

@@ -18,10 +18,7 @@ enum Format {
 impl Format {
     /// By the file's name; what has none is told by its first character.
     fn of(name: &str, text: &str) -> Self {
-        match Path::new(name)
-            .extension()
-            .and_then(|extension| extension.to_str())
-        {
+        match Path::new(name).extension().and_then(|extension| extension.to_str()) {
             Some("yaml" | "yml") => Self::Yaml,
             Some("toml") => Self::Toml,
             Some("json") => Self::Json,
@@ -34,9 +31,7 @@ impl Format {
         match self {
             Self::Json => serde_json::from_str(text).map_err(|error| error.to_string()),
             Self::Yaml => serde_saphyr::from_str(text).map_err(|error| error.to_string()),
-            Self::Toml => {
-                toml::from_str(text).map_err(|error| error.to_string().trim_end().to_owned())
-            }
+            Self::Toml => toml::from_str(text).map_err(|error| error.to_string().trim_end().to_owned()),
         }
     }
 }
@@ -47,9 +42,7 @@ pub(crate) fn read(name: &str, io: &mut Io) -> Result<String, Failure> {
         let mut text = String::new();
         return match io.input.read_to_string(&mut text) {
             Ok(_) => Ok(text),
-            Err(error) => Err(Failure::usage(format!(
-                "cannot read standard input: {error}"
-            ))),
+            Err(error) => Err(Failure::usage(format!("cannot read standard input: {error}"))),
         };
     }
     fs::read_to_string(name).map_err(|error| Failure::usage(format!("cannot read {name}: {error}")))
@@ -62,9 +55,7 @@ pub(crate) fn write(name: &str, text: &str) -> Result<(), Failure> {
 
 /// Reads a message from a text in JSON, YAML or TOML; `name` tells which, and stands in the failure.
 pub(crate) fn message<T: DeserializeOwned>(name: &str, text: &str) -> Result<T, Failure> {
-    Format::of(name, text)
-        .parse(text)
-        .map_err(|error| wrong(name, &error))
+    Format::of(name, text).parse(text).map_err(|error| wrong(name, &error))
 }
 
 fn wrong(name: &str, error: &str) -> Failure {
@@ -114,8 +105,11 @@ pub(crate) fn check_request(name: &str, text: &str) -> Result<v1::CheckTrajector
             _ => None,
         };
         let setpoints = setpoints.ok_or_else(|| {
-            wrong(name, "no trajectory in it: neither `trajectory`, nor `points`, nor a plan with set-points")
-                .hint("ask for set-points when planning: takt plan move … --sample-period 4ms --json")
+            wrong(
+                name,
+                "no trajectory in it: neither `trajectory`, nor `points`, nor a plan with set-points",
+            )
+            .hint("ask for set-points when planning: takt plan move … --sample-period 4ms --json")
         })?;
         trajectory_of(&setpoints)
     };
@@ -164,10 +158,7 @@ mod tests {
         assert_eq!(joints("j.yaml", yaml).unwrap(), expected);
         assert_eq!(joints("j.toml", toml).unwrap(), expected);
         assert_eq!(joints("-", json).unwrap(), expected);
-        assert_eq!(
-            joints("j.yml", &format!("joints:\n{yaml}")).unwrap(),
-            expected
-        );
+        assert_eq!(joints("j.yml", &format!("joints:\n{yaml}")).unwrap(), expected);
     }
 
     #[test]
@@ -188,10 +179,7 @@ mod tests {
             assert_eq!(description("d.yaml", text).unwrap().tip_link, "t");
         }
         let list = "joints:\n- name: a\n  limits: {velocity: 2}\ngravity_m_per_s2: [0, 0, -9.81]\n";
-        assert_eq!(
-            description("d.yaml", list).unwrap().gravity_m_per_s2,
-            [0.0, 0.0, -9.81]
-        );
+        assert_eq!(description("d.yaml", list).unwrap().gravity_m_per_s2, [0.0, 0.0, -9.81]);
     }
 
     #[test]

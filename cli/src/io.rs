@@ -37,11 +37,7 @@ pub struct Terminal {
 
 impl Terminal {
     pub(crate) fn colour_of(self, errors: bool) -> bool {
-        if errors {
-            self.error_colour
-        } else {
-            self.colour
-        }
+        if errors { self.error_colour } else { self.colour }
     }
 }
 
@@ -63,9 +59,9 @@ impl Io {
 
 fn quiet(result: io::Result<()>) -> Result<(), Failure> {
     match result {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::service(format!(
-            "cannot write the answer: {error}"
-        ))),
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::service(format!("cannot write the answer: {error}")))
+        }
         _ => Ok(()),
     }
 }

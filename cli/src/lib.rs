@@ -35,24 +35,15 @@ pub fn run(args: impl IntoIterator<Item = OsString>, io: &mut Io) -> u8 {
         Ok(cli) => cli,
         Err(error) => {
             let text = error.render();
-            let (is_error, colour) = (
-                error.use_stderr(),
-                io.terminal.colour_of(error.use_stderr()),
-            );
+            let (is_error, colour) = (error.use_stderr(), io.terminal.colour_of(error.use_stderr()));
             let text = if colour {
                 text.ansi().to_string()
             } else {
                 text.to_string()
             };
-            let stream = if is_error {
-                &mut io.errors
-            } else {
-                &mut io.output
-            };
+            let stream = if is_error { &mut io.errors } else { &mut io.output };
             // Nobody is left to be told that nobody listens.
-            let _ = stream
-                .write_all(text.as_bytes())
-                .and_then(|()| stream.flush());
+            let _ = stream.write_all(text.as_bytes()).and_then(|()| stream.flush());
             return u8::try_from(error.exit_code()).unwrap_or(exit::USAGE);
         }
     };
@@ -60,10 +51,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, io: &mut Io) -> u8 {
         Ok(code) => code,
         Err(failure) => {
             let text = failure.render(io.terminal.error_colour);
-            let _ = io
-                .errors
-                .write_all(text.as_bytes())
-                .and_then(|()| io.errors.flush());
+            let _ = io.errors.write_all(text.as_bytes()).and_then(|()| io.errors.flush());
             failure.code
         }
     }

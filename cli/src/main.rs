@@ -10,11 +10,8 @@ use takt_cli::{Io, Terminal, run};
 
 fn main() -> ExitCode {
     let (output, errors) = (io::stdout(), io::stderr());
-    let width = env::var("COLUMNS")
-        .ok()
-        .and_then(|columns| columns.parse().ok());
-    let width =
-        width.or_else(|| terminal_size::terminal_size().map(|(width, _)| usize::from(width.0)));
+    let width = env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok());
+    let width = width.or_else(|| terminal_size::terminal_size().map(|(width, _)| usize::from(width.0)));
     let plain = env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty())
         || env::var_os("TERM").is_some_and(|value| value == "dumb");
     let mut io = Io {

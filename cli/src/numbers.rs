@@ -87,10 +87,7 @@ impl FromStr for Numbers {
 
 /// Brackets around and spaces between are forgiven: `[0, 1]` comes from copying.
 fn list(text: &str) -> Result<Vec<JointValue>, String> {
-    text.trim_matches(['[', ']', ' '])
-        .split(',')
-        .map(str::parse)
-        .collect()
+    text.trim_matches(['[', ']', ' ']).split(',').map(str::parse).collect()
 }
 
 /// A time: `4ms`, `0.5s`, `2min`, or plain seconds.
@@ -138,13 +135,7 @@ mod tests {
         assert_eq!(values("0,-1.5, 2e-1", false), [0.0, -1.5, 0.2]);
         assert_eq!(
             values("[180deg, 90°, 1rad, 5mm, 0.5m]", false),
-            [
-                std::f64::consts::PI,
-                std::f64::consts::FRAC_PI_2,
-                1.0,
-                0.005,
-                0.5
-            ]
+            [std::f64::consts::PI, std::f64::consts::FRAC_PI_2, 1.0, 0.005, 0.5]
         );
         assert_eq!(values("180,1rad", true), [std::f64::consts::PI, 1.0]);
     }

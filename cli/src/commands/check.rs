@@ -22,6 +22,10 @@ Examples:
   takt check ur5e move.csv --interpolation cubic --json
   takt plan move ur5e --from … --to … --sample-period 8ms --json | takt check ur5e -
 
+The set-points of a plan jump in acceleration at its switching times, and polynomials between samples overshoot such a
+jump: read back like this, a plan that uses all the torque there is breaks its limit. To see what a controller that
+interpolates so would do, and to leave it room, plan with --utilization 0.85 or so.
+
 A file holds a trajectory, a request to check one, or the reply to a plan with its set-points.
 Exit code 3: a limit is broken; the answer says which, by how much, and when.")]
 pub(crate) struct CheckArgs {
@@ -66,11 +70,7 @@ pub(crate) async fn run(args: CheckArgs, client: &Client, io: &mut Io) -> Result
         false => v1::Robot::default(),
     };
     let mut request = if is_csv {
-        let joints: Vec<String> = robot
-            .joints
-            .iter()
-            .map(|joint| joint.name.clone())
-            .collect();
+        let joints: Vec<String> = robot.joints.iter().map(|joint| joint.name.clone()).collect();
         let trajectory = Some(csv::trajectory(&text, &joints)?);
         v1::CheckTrajectoryRequest {
             trajectory,
@@ -80,6 +80,7 @@ pub(crate) async fn run(args: CheckArgs, client: &Client, io: &mut Io) -> Result
         files::check_request(&args.trajectory, &text)?
     };
     apply(&args, &mut request);
+    refuse_trace(&request)?;
     let reply = client.check_trajectory(request).await?;
     if args.json {
         context::print_json(&reply, io)?;
@@ -87,6 +88,24 @@ pub(crate) async fn run(args: CheckArgs, client: &Client, io: &mut Io) -> Result
         io.print(&render::report(&reply, &robot, io.terminal.colour))?;
     }
     Ok(if reply.holds { exit::OK } else { exit::NO })
+}
+
+/// A trace has two samples at each switching time; a trajectory has one.
+fn refuse_trace(request: &v1::CheckTrajectoryRequest) -> Result<(), Failure> {
+    let points = request
+        .trajectory
+        .as_ref()
+        .map_or(&[][..], |trajectory| &trajectory.points);
+    match points
+        .windows(2)
+        .find(|pair| pair[0].time_s.to_bits() == pair[1].time_s.to_bits())
+    {
+        Some(pair) => Err(
+            Failure::usage(format!("two points at the same time, {} s", pair[0].time_s))
+                .hint("a trace has both sides of each switching time; take set-points instead: --sample-period 4ms"),
+        ),
+        None => Ok(()),
+    }
 }
 
 /// Options take the place of the file's fields.

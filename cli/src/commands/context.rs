@@ -10,11 +10,7 @@ use crate::{
 };
 
 /// Reads a robot at a revision.
-pub(crate) async fn robot(
-    client: &Client,
-    robot_id: &str,
-    revision: Option<&str>,
-) -> Result<v1::Robot, Failure> {
+pub(crate) async fn robot(client: &Client, robot_id: &str, revision: Option<&str>) -> Result<v1::Robot, Failure> {
     let request = v1::GetRobotRequest {
         robot_id: robot_id.to_owned(),
         revision: revision.map(str::to_owned),
@@ -39,9 +35,8 @@ pub(crate) fn si(values: &JointValues, degrees: bool, robot: Option<&v1::Robot>)
 
 /// Prints a reply as it came.
 pub(crate) fn print_json<M: serde::Serialize>(reply: &M, io: &mut Io) -> Result<(), Failure> {
-    let mut text = serde_json::to_string_pretty(reply).map_err(|error| {
-        Failure::service(format!("the reply cannot be written as JSON: {error}"))
-    })?;
+    let mut text = serde_json::to_string_pretty(reply)
+        .map_err(|error| Failure::service(format!("the reply cannot be written as JSON: {error}")))?;
     text.push('\n');
     io.print(&text)
 }
@@ -54,12 +49,7 @@ pub(crate) struct PayloadArgs {
     #[arg(long, value_name = "KG")]
     payload: Option<f64>,
     /// Its centre of mass in the tip link's frame, m.
-    #[arg(
-        long,
-        value_name = "X,Y,Z",
-        requires = "payload",
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "X,Y,Z", requires = "payload", allow_hyphen_values = true)]
     payload_com: Option<Numbers>,
     /// Its inertia about the centre of mass, kg m².
     #[arg(
@@ -74,12 +64,7 @@ pub(crate) struct PayloadArgs {
 impl PayloadArgs {
     /// The payload, where one is given.
     pub(crate) fn payload(&self) -> Option<v1::Payload> {
-        let list = |numbers: &Option<Numbers>| {
-            numbers
-                .as_ref()
-                .map(|list| list.0.clone())
-                .unwrap_or_default()
-        };
+        let list = |numbers: &Option<Numbers>| numbers.as_ref().map(|list| list.0.clone()).unwrap_or_default();
         self.payload.map(|mass_kg| v1::Payload {
             mass_kg: Some(mass_kg),
             center_of_mass_m: list(&self.payload_com),
@@ -106,16 +91,13 @@ pub(crate) fn limit(text: &str) -> Result<(String, String, f64), String> {
 pub(crate) fn limits(given: &[(String, String, f64)]) -> Vec<v1::LimitOverride> {
     let mut list: Vec<v1::LimitOverride> = Vec::new();
     for (joint, kind, value) in given {
-        let index = list
-            .iter()
-            .position(|entry| entry.joint == *joint)
-            .unwrap_or_else(|| {
-                list.push(v1::LimitOverride {
-                    joint: joint.clone(),
-                    ..Default::default()
-                });
-                list.len() - 1
+        let index = list.iter().position(|entry| entry.joint == *joint).unwrap_or_else(|| {
+            list.push(v1::LimitOverride {
+                joint: joint.clone(),
+                ..Default::default()
             });
+            list.len() - 1
+        });
         // The kind was checked when it was read.
         let _ = set_limit(&mut list[index], kind, *value);
     }
@@ -153,11 +135,7 @@ mod tests {
         let list = limits(&given);
         assert_eq!(list.len(), 2);
         assert_eq!(
-            (
-                list[0].joint.as_str(),
-                list[0].velocity,
-                list[0].acceleration
-            ),
+            (list[0].joint.as_str(), list[0].velocity, list[0].acceleration),
             ("a.b", Some(1.5), Some(2.0))
         );
         assert_eq!(list[1].peak_torque, Some(9.0));
@@ -173,10 +151,7 @@ mod tests {
             ..Default::default()
         };
         let robot = v1::Robot {
-            joints: vec![
-                joint(v1::JointType::Revolute),
-                joint(v1::JointType::Prismatic),
-            ],
+            joints: vec![joint(v1::JointType::Revolute), joint(v1::JointType::Prismatic)],
             ..Default::default()
         };
         let values = "180,0.5".parse().unwrap();

@@ -4,9 +4,7 @@ use clap::Args;
 use takt_client::{Client, v1};
 
 use super::context::{self, PayloadArgs};
-use crate::{
-    exit, failure::Failure, files, io::Io, numbers::JointValues, render::dynamics as render,
-};
+use crate::{exit, failure::Failure, files, io::Io, numbers::JointValues, render::dynamics as render};
 
 /// Joint torques of a state, and where they come from: rigid bodies, gravity, rotors, friction.
 #[derive(Debug, Args)]
@@ -28,20 +26,10 @@ pub(crate) struct DynamicsArgs {
     )]
     position: Option<JointValues>,
     /// Joint velocities. Default: at rest.
-    #[arg(
-        long,
-        value_name = "V1,V2,…",
-        allow_hyphen_values = true,
-        requires = "position"
-    )]
+    #[arg(long, value_name = "V1,V2,…", allow_hyphen_values = true, requires = "position")]
     velocity: Option<JointValues>,
     /// Joint accelerations. Default: zero.
-    #[arg(
-        long,
-        value_name = "A1,A2,…",
-        allow_hyphen_values = true,
-        requires = "position"
-    )]
+    #[arg(long, value_name = "A1,A2,…", allow_hyphen_values = true, requires = "position")]
     acceleration: Option<JointValues>,
     /// A whole request in JSON, YAML or TOML; - for standard input.
     #[arg(long, value_name = "FILE", conflicts_with = "position")]
@@ -80,11 +68,7 @@ pub(crate) async fn run(args: DynamicsArgs, client: &Client, io: &mut Io) -> Res
     Ok(exit::OK)
 }
 
-fn request(
-    args: &DynamicsArgs,
-    robot: &v1::Robot,
-    io: &mut Io,
-) -> Result<v1::InverseDynamicsRequest, Failure> {
+fn request(args: &DynamicsArgs, robot: &v1::Robot, io: &mut Io) -> Result<v1::InverseDynamicsRequest, Failure> {
     use v1::inverse_dynamics_request::Quantity;
     let mut request = match &args.request {
         Some(file) => files::message(file, &files::read(file, io)?)?,

@@ -152,10 +152,7 @@ pub(crate) async fn run(command: PlanCommand, client: &Client, io: &mut Io) -> R
     };
     let request = request(&args, robot.as_ref(), io)?;
     let reply = client.plan_move(request.clone()).await?;
-    let feasible = matches!(
-        reply.outcome,
-        Some(v1::plan_move_response::Outcome::Plan(_))
-    );
+    let feasible = matches!(reply.outcome, Some(v1::plan_move_response::Outcome::Plan(_)));
     let code = if feasible { exit::OK } else { exit::NO };
     if args.output.json {
         context::print_json(&reply, io)?;
@@ -166,17 +163,13 @@ pub(crate) async fn run(command: PlanCommand, client: &Client, io: &mut Io) -> R
     // The limits and names of the very revision that the plan is of.
     let used = reply.provenance.clone().unwrap_or_default();
     let needed = !args.output.csv || args.output.draws() || !feasible;
-    let other = robot
-        .as_ref()
-        .is_none_or(|robot| robot.revision != used.revision);
+    let other = robot.as_ref().is_none_or(|robot| robot.revision != used.revision);
     if needed && other {
         robot = Some(context::robot(client, &args.robot_id, Some(&used.revision)).await?);
     }
     let robot = robot.unwrap_or_default();
     match &reply.outcome {
-        Some(v1::plan_move_response::Outcome::Plan(plan)) => {
-            show(&args, &request, plan, &used, &robot, io)?
-        }
+        Some(v1::plan_move_response::Outcome::Plan(plan)) => show(&args, &request, plan, &used, &robot, io)?,
         Some(v1::plan_move_response::Outcome::Infeasible(no)) => {
             let text = tables::infeasible(no, &robot, io.terminal.colour);
             // Whoever reads CSV must not find sentences in it.
@@ -187,19 +180,13 @@ pub(crate) async fn run(command: PlanCommand, client: &Client, io: &mut Io) -> R
             }
         }
         None => {
-            return Err(Failure::service(
-                "the reply holds neither a plan nor a refusal",
-            ));
+            return Err(Failure::service("the reply holds neither a plan nor a refusal"));
         }
     }
     Ok(code)
 }
 
-fn request(
-    args: &MoveArgs,
-    robot: Option<&v1::Robot>,
-    io: &mut Io,
-) -> Result<v1::PlanMoveRequest, Failure> {
+fn request(args: &MoveArgs, robot: Option<&v1::Robot>, io: &mut Io) -> Result<v1::PlanMoveRequest, Failure> {
     let mut request = match &args.request {
         Some(file) => files::message(file, &files::read(file, io)?)?,
         None => v1::PlanMoveRequest::default(),
@@ -207,14 +194,10 @@ fn request(
     let values = |values: &JointValues| context::si(values, args.degrees, robot);
     request.robot_id.clone_from(&args.robot_id);
     if let Some(from) = &args.from {
-        request.start = Some(v1::JointPosition {
-            position: values(from),
-        });
+        request.start = Some(v1::JointPosition { position: values(from) });
     }
     if let Some(to) = &args.to {
-        request.target = Some(v1::JointPosition {
-            position: values(to),
-        });
+        request.target = Some(v1::JointPosition { position: values(to) });
     }
     if let Some(speeds) = &args.target_velocity {
         request.target_velocity = values(speeds);
@@ -255,9 +238,7 @@ fn show(
     robot: &v1::Robot,
     io: &mut Io,
 ) -> Result<(), Failure> {
-    let units = Units {
-        degrees: args.degrees,
-    };
+    let units = Units { degrees: args.degrees };
     let output = &args.output;
     if output.csv {
         let setpoints = plan.setpoints.clone().unwrap_or_default();
@@ -268,9 +249,8 @@ fn show(
     if !output.draws() {
         return Ok(());
     }
-    let curves = Curves::of(plan, robot, &request.limits, units).ok_or_else(|| {
-        Failure::service("the reply came without samples, so there is nothing to draw")
-    })?;
+    let curves = Curves::of(plan, robot, &request.limits, units)
+        .ok_or_else(|| Failure::service("the reply came without samples, so there is nothing to draw"))?;
     if output.plot {
         let picture = terminal_plot::render(&curves, io.terminal.width, io.terminal.colour);
         io.print(&format!("\n{picture}"))?;
@@ -288,13 +268,9 @@ fn show(
         io.remark(&format!("wrote {file}"))?;
     }
     if let Some(file) = &output.html {
-        let asked = serde_json::to_string_pretty(request).map_err(|error| {
-            Failure::service(format!("the request cannot be written as JSON: {error}"))
-        })?;
-        files::write(
-            file,
-            &html::render(plan, used, robot, &curves, units, &asked),
-        )?;
+        let asked = serde_json::to_string_pretty(request)
+            .map_err(|error| Failure::service(format!("the request cannot be written as JSON: {error}")))?;
+        files::write(file, &html::render(plan, used, robot, &curves, units, &asked))?;
         io.remark(&format!("wrote {file}"))?;
     }
     Ok(())

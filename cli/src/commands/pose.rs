@@ -16,12 +16,7 @@ pub(crate) struct PoseArgs {
     /// The robot.
     robot_id: String,
     /// Joint positions in model order, rad or m (or with a unit: 90deg, 5mm); may be given several times.
-    #[arg(
-        long,
-        value_name = "Q1,Q2,…",
-        required = true,
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "Q1,Q2,…", required = true, allow_hyphen_values = true)]
     position: Vec<JointValues>,
     /// Plain numbers are degrees, for joints that turn.
     #[arg(long)]

@@ -75,9 +75,7 @@ struct Source {
 
 /// Lists the registered arms.
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Examples:\n  takt robot list\n  takt robot list --json | jq -r '.robots[].robot_id'"
-)]
+#[command(after_help = "Examples:\n  takt robot list\n  takt robot list --json | jq -r '.robots[].robot_id'")]
 pub(crate) struct ListArgs {
     /// Print the reply as JSON, all pages in one.
     #[arg(long)]
@@ -114,9 +112,7 @@ pub(crate) struct ShowArgs {
 
 /// Deletes an arm with all its revisions.
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Examples:\n  takt robot delete ur5e\n  takt robot delete ur5e --expected-revision 3f9a…"
-)]
+#[command(after_help = "Examples:\n  takt robot delete ur5e\n  takt robot delete ur5e --expected-revision 3f9a…")]
 pub(crate) struct DeleteArgs {
     /// The robot.
     robot_id: String,
@@ -125,11 +121,7 @@ pub(crate) struct DeleteArgs {
     expected_revision: Option<String>,
 }
 
-pub(crate) async fn run(
-    command: RobotCommand,
-    client: &Client,
-    io: &mut Io,
-) -> Result<u8, Failure> {
+pub(crate) async fn run(command: RobotCommand, client: &Client, io: &mut Io) -> Result<u8, Failure> {
     match command {
         RobotCommand::Register(args) => register(*args, client, io).await?,
         RobotCommand::List(args) => list(&args, client, io).await?,
@@ -229,8 +221,7 @@ async fn list(args: &ListArgs, client: &Client, io: &mut Io) -> Result<(), Failu
         );
     }
     if robots.is_empty() {
-        return io
-            .remark("no robots yet; register one with: takt robot register ROBOT_ID --urdf FILE");
+        return io.remark("no robots yet; register one with: takt robot register ROBOT_ID --urdf FILE");
     }
     io.print(&render::list(&robots, io.terminal.colour))
 }
@@ -254,10 +245,7 @@ async fn show(args: ShowArgs, client: &Client, io: &mut Io) -> Result<(), Failur
     if args.json {
         return print_json(&reply, io);
     }
-    io.print(&render::show(
-        &reply.robot.unwrap_or_default(),
-        io.terminal.colour,
-    ))
+    io.print(&render::show(&reply.robot.unwrap_or_default(), io.terminal.colour))
 }
 
 async fn revisions(args: ShowArgs, client: &Client, io: &mut Io) -> Result<(), Failure> {

@@ -11,23 +11,13 @@ use super::{
 };
 
 /// Whether it holds, the tightest limits, the torque margins.
-pub(crate) fn report(
-    reply: &v1::CheckTrajectoryResponse,
-    robot: &v1::Robot,
-    colour: bool,
-) -> String {
+pub(crate) fn report(reply: &v1::CheckTrajectoryResponse, robot: &v1::Robot, colour: bool) -> String {
     let mut out = String::new();
-    let broken = reply
-        .limit_uses
-        .iter()
-        .filter(|limit| limit.excess > 0.0)
-        .count();
+    let broken = reply.limit_uses.iter().filter(|limit| limit.excess > 0.0).count();
     let verdict = match (reply.holds, broken) {
         (true, _) => paint("holds", Tone::Good, colour) + "  every limit that is known",
         (false, 1) => paint("does not hold", Tone::Bad, colour) + "  1 limit is broken",
-        (false, count) => {
-            paint("does not hold", Tone::Bad, colour) + &format!("  {count} limits are broken")
-        }
+        (false, count) => paint("does not hold", Tone::Bad, colour) + &format!("  {count} limits are broken"),
     };
     let _ = writeln!(out, "{verdict}");
     let interpolation = match reply.interpolation() {
@@ -73,20 +63,9 @@ fn limit_uses(uses: &[v1::LimitUse]) -> Table {
     use v1::limit_use::Limit;
     let broken = uses.iter().filter(|limit| limit.excess > 0.0).count();
     let shown = &uses[..uses.len().min(broken + SHOWN)];
-    let values = aligned(
-        &shown
-            .iter()
-            .map(|limit| Some(limit.value))
-            .collect::<Vec<_>>(),
-    );
-    let limits = aligned(
-        &shown
-            .iter()
-            .map(|limit| Some(limit.limit))
-            .collect::<Vec<_>>(),
-    );
-    let mut table =
-        Table::new(["joint", "limit of", "value", "limit", "at [s]", "verdict"]).numbers_from(2);
+    let values = aligned(&shown.iter().map(|limit| Some(limit.value)).collect::<Vec<_>>());
+    let limits = aligned(&shown.iter().map(|limit| Some(limit.limit)).collect::<Vec<_>>());
+    let mut table = Table::new(["joint", "limit of", "value", "limit", "at [s]", "verdict"]).numbers_from(2);
     for (index, limit) in shown.iter().enumerate() {
         let kind = match limit.limit_kind() {
             Limit::Unspecified => "",
@@ -136,13 +115,7 @@ mod tests {
             ..Default::default()
         };
         let text = report(&reply, &example::robot(), false);
-        assert!(
-            text.starts_with("does not hold  1 limit is broken"),
-            "{text}"
-        );
-        assert!(
-            text.contains("10.0 % over") && text.contains("0.500"),
-            "{text}"
-        );
+        assert!(text.starts_with("does not hold  1 limit is broken"), "{text}");
+        assert!(text.contains("10.0 % over") && text.contains("0.500"), "{text}");
     }
 }

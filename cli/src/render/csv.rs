@@ -66,10 +66,7 @@ pub(crate) fn trajectory(text: &str, joints: &[String]) -> Result<v1::Trajectory
         .lines()
         .enumerate()
         .filter(|(_, line)| !line.trim().is_empty());
-    let head = lines
-        .next()
-        .map(|(_, line)| cells(line))
-        .unwrap_or_default();
+    let head = lines.next().map(|(_, line)| cells(line)).unwrap_or_default();
     let column = |name: &str| head.iter().position(|cell| cell.trim() == name);
     let Some(time) = column(TIME) else {
         return Err(Failure::usage(format!(
@@ -83,11 +80,7 @@ pub(crate) fn trajectory(text: &str, joints: &[String]) -> Result<v1::Trajectory
             .collect()
     };
     let [position, velocity, acceleration] = ["position", "velocity", "acceleration"].map(columns);
-    if let Some(missing) = joints
-        .iter()
-        .zip(&position)
-        .find(|(_, column)| column.is_none())
-    {
+    if let Some(missing) = joints.iter().zip(&position).find(|(_, column)| column.is_none()) {
         return Err(Failure::usage(format!("no column {}.position", missing.0))
             .hint(format!("this robot's joints are: {}", joints.join(", "))));
     }
@@ -112,10 +105,7 @@ pub(crate) fn trajectory(text: &str, joints: &[String]) -> Result<v1::Trajectory
             let text = cells.get(column).map_or("", |cell| cell.trim());
             text.parse().map_err(|_| {
                 let name = head.get(column).map_or("", String::as_str);
-                Failure::usage(format!(
-                    "line {}, column {name}: {text:?} is no number",
-                    index + 1
-                ))
+                Failure::usage(format!("line {}, column {name}: {text:?} is no number", index + 1))
             })
         };
         let row = |columns: &[usize]| {
@@ -171,23 +161,13 @@ mod tests {
         let mut given = example::plan().setpoints.unwrap();
         given.joints[0].position[1] = 0.1 + 0.2;
         given.joints[1].joint = "odd, \"name\"".to_owned();
-        let joints: Vec<String> = given
-            .joints
-            .iter()
-            .map(|joint| joint.joint.clone())
-            .collect();
+        let joints: Vec<String> = given.joints.iter().map(|joint| joint.joint.clone()).collect();
         let text = setpoints(&given);
         assert!(looks_like_csv(&text));
         let read = trajectory(&text, &joints).unwrap();
         assert_eq!(read.points.len(), given.time_s.len());
-        assert_eq!(
-            read.points[1].position[0].to_bits(),
-            (0.1_f64 + 0.2).to_bits()
-        );
-        assert_eq!(
-            read.points[2].acceleration[1],
-            given.joints[1].acceleration[2]
-        );
+        assert_eq!(read.points[1].position[0].to_bits(), (0.1_f64 + 0.2).to_bits());
+        assert_eq!(read.points[2].acceleration[1], given.joints[1].acceleration[2]);
     }
 
     #[test]
@@ -204,10 +184,7 @@ mod tests {
         for (text, part) in [
             ("t,a.position\n0,1\n", "time_s"),
             ("time_s,b.position\n0,1\n", "a.position"),
-            (
-                "time_s,a.position\n0,x\n",
-                "line 2, column a.position: \"x\"",
-            ),
+            ("time_s,a.position\n0,x\n", "line 2, column a.position: \"x\""),
             ("time_s,a.position\n0\n", "line 2"),
             ("", "time_s"),
         ] {

@@ -65,9 +65,7 @@ impl Curve {
     /// How much of the limit the peak uses, for a title.
     pub(crate) fn use_of_limit(&self) -> Option<f64> {
         let (_, peak) = self.peak()?;
-        self.limit
-            .filter(|limit| *limit > 0.0)
-            .map(|limit| peak.abs() / limit)
+        self.limit.filter(|limit| *limit > 0.0).map(|limit| peak.abs() / limit)
     }
 }
 
@@ -89,21 +87,14 @@ impl Curves {
                 .and_then(|limit| limit.velocity)
                 .or_else(|| model?.limits.as_ref()?.velocity)
                 .map(|speed| speed * plan.speed_scale * unit.factor);
-            let margin = plan
-                .torque_margins
-                .iter()
-                .find(|margin| margin.joint == *name);
+            let margin = plan.torque_margins.iter().find(|margin| margin.joint == *name);
             let pattern = plan.patterns.iter().find(|pattern| pattern.joint == *name);
             JointCurves {
                 joint: name.clone(),
                 velocity: Curve {
                     name: "velocity",
                     unit: unit.velocity,
-                    values: columns
-                        .velocity
-                        .iter()
-                        .map(|value| value * unit.factor)
-                        .collect(),
+                    values: columns.velocity.iter().map(|value| value * unit.factor).collect(),
                     limit: speed,
                 },
                 torque: Curve {
@@ -112,14 +103,12 @@ impl Curves {
                     values: columns.torque.clone(),
                     limit: margin.map(|margin| margin.limit),
                 },
-                switches: pattern
-                    .filter(|pattern| pattern.displacement != 0.0)
-                    .map(|pattern| {
-                        (
-                            pattern.acceleration_time_s,
-                            pattern.acceleration_time_s + pattern.cruise_time_s,
-                        )
-                    }),
+                switches: pattern.filter(|pattern| pattern.displacement != 0.0).map(|pattern| {
+                    (
+                        pattern.acceleration_time_s,
+                        pattern.acceleration_time_s + pattern.cruise_time_s,
+                    )
+                }),
             }
         });
         Some(Self {

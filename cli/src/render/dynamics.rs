@@ -3,26 +3,14 @@
 use takt_client::v1;
 
 use super::{
-    table::{Table, Tone, aligned, number, paint},
+    table::{Table, Tone, aligned, paint},
     words::{self, Units},
 };
 
 /// One block a state.
-pub(crate) fn torques(
-    reply: &v1::InverseDynamicsResponse,
-    robot: &v1::Robot,
-    colour: bool,
-) -> String {
-    let names: Vec<&str> = robot
-        .joints
-        .iter()
-        .map(|joint| joint.name.as_str())
-        .collect();
-    let unit = words::common(
-        names
-            .iter()
-            .map(|name| Units::default().of(robot, name).torque),
-    );
+pub(crate) fn torques(reply: &v1::InverseDynamicsResponse, robot: &v1::Robot, colour: bool) -> String {
+    let names: Vec<&str> = robot.joints.iter().map(|joint| joint.name.as_str()).collect();
+    let unit = words::common(names.iter().map(|name| Units::default().of(robot, name).torque));
     let mut out = String::new();
     for (index, result) in reply.results.iter().enumerate() {
         if reply.results.len() > 1 {
@@ -34,17 +22,18 @@ pub(crate) fn torques(
         }
         out.push_str(&table(result, robot, &unit).render(colour));
         let count = result.torque.len();
+        let rigid = match result.rigid_mass_matrix == result.mass_matrix {
+            // No rotor inertia: the same again.
+            true => &Vec::new(),
+            false => &result.rigid_mass_matrix,
+        };
         for (title, values, rows) in [
             (
                 "mass matrix, with the reflected rotor inertias",
                 &result.mass_matrix,
                 count,
             ),
-            (
-                "mass matrix, rigid bodies alone",
-                &result.rigid_mass_matrix,
-                count,
-            ),
+            ("mass matrix, rigid bodies alone", rigid, count),
             (
                 "Jacobian of the tool centre point: vx vy vz wx wy wz",
                 &result.jacobian,
@@ -94,25 +83,19 @@ fn table(result: &v1::InverseDynamicsResult, robot: &v1::Robot, unit: &str) -> T
         );
         let name = joint.map_or_else(|| (index + 1).to_string(), |joint| joint.name.clone());
         let mut cells = vec![name, total[index].clone(), used];
-        cells.extend(
-            parts
-                .iter()
-                .map(|part| part.get(index).cloned().unwrap_or_default()),
-        );
+        cells.extend(parts.iter().map(|part| part.get(index).cloned().unwrap_or_default()));
         table.row(cells);
     }
     table
 }
 
 fn matrix(values: &[f64], rows: usize) -> String {
-    let columns = values.len() / rows;
+    let cells = aligned(&values.iter().copied().map(Some).collect::<Vec<_>>());
+    let width = cells.iter().map(String::len).max().unwrap_or(0);
     let mut out = String::new();
-    for row in values.chunks(columns.max(1)) {
-        let cells: Vec<String> = row
-            .iter()
-            .map(|value| format!("{:>11}", number(*value, 6)))
-            .collect();
-        out.push_str(&cells.join(" "));
+    for row in cells.chunks((values.len() / rows).max(1)) {
+        let row: Vec<String> = row.iter().map(|cell| format!("{cell:>width$}")).collect();
+        out.push_str(&row.join("  "));
         out.push('\n');
     }
     out
@@ -142,7 +125,7 @@ mod tests {
         assert!(text.contains("50.0 %") && text.contains("10.0 %"), "{text}");
         assert!(
             text.lines()
-                .any(|line| line.split_whitespace().eq(["2.00000", "0.500000"])),
+                .any(|line| line.split_whitespace().eq(["2.0000", "0.5000"])),
             "{text}"
         );
         torques(

@@ -70,7 +70,7 @@ pub(crate) fn plan() -> v1::MovePlan {
     };
     v1::MovePlan {
         duration_s: 1.0,
-        preset_duration_s: 1.25,
+        preset_duration_s: Some(1.25),
         method: v1::Method::Verified.into(),
         fallback: v1::move_plan::Fallback::None.into(),
         patterns: vec![pattern("turn", 1.5), pattern("slide", -0.5)],

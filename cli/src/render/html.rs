@@ -87,31 +87,20 @@ fn card(out: &mut String, value: &str, name: &str) {
 fn cards(out: &mut String, plan: &v1::MovePlan) {
     out.push_str("<div class=\"cards\">\n");
     card(out, &format!("{:.3} s", plan.duration_s), "duration");
-    let won = 100.0 * (1.0 - plan.duration_s / plan.preset_duration_s);
-    if won.is_finite() {
-        let name = format!(
-            "against {:.3} s by the conventional pattern",
-            plan.preset_duration_s
+    if let Some(preset) = plan.preset_duration_s.filter(|preset| *preset > 0.0) {
+        let name = format!("against {preset:.3} s by the conventional pattern");
+        card(
+            out,
+            &format!("{:+.1} %", 100.0 * (plan.duration_s / preset - 1.0)),
+            &name,
         );
-        card(out, &format!("{:+.1} %", -won), &name);
     }
-    if let Some(tightest) = plan
-        .torque_margins
-        .iter()
-        .min_by(|a, b| a.margin.total_cmp(&b.margin))
-    {
-        let name = format!(
-            "smallest torque margin: {} at {:.3} s",
-            tightest.joint, tightest.time_s
-        );
+    if let Some(tightest) = plan.torque_margins.iter().min_by(|a, b| a.margin.total_cmp(&b.margin)) {
+        let name = format!("smallest torque margin: {} at {:.3} s", tightest.joint, tightest.time_s);
         card(out, &format!("{:.1} %", 100.0 * tightest.margin), &name);
     }
-    let mass = plan
-        .payload
-        .as_ref()
-        .and_then(|payload| payload.mass_kg)
-        .unwrap_or(0.0);
-    card(out, &format!("{} kg", number(mass, 4)), "payload");
+    let mass = plan.payload.as_ref().and_then(|payload| payload.mass_kg).unwrap_or(0.0);
+    card(out, &format!("{mass} kg"), "payload");
     out.push_str("</div>\n");
 }
 
@@ -127,11 +116,7 @@ fn facts(out: &mut String, plan: &v1::MovePlan) {
 }
 
 /// A table; cells are HTML already.
-fn table<const N: usize>(
-    out: &mut String,
-    head: [&str; N],
-    rows: impl Iterator<Item = [String; N]>,
-) {
+fn table<const N: usize>(out: &mut String, head: [&str; N], rows: impl Iterator<Item = [String; N]>) {
     out.push_str("<table>\n<tr>");
     for cell in head {
         let _ = write!(out, "<th>{}</th>", escape(cell));
@@ -185,10 +170,9 @@ fn margins(out: &mut String, plan: &v1::MovePlan, robot: &v1::Robot) {
             format!("{:.3} s", margin.time_s),
             words::phase(margin.phase()).to_owned(),
             format!("{} {unit}", number(margin.rms_torque, 4)),
-            margin.rated_torque.map_or_else(
-                || "–".to_owned(),
-                |rated| format!("{} {unit}", number(rated, 4)),
-            ),
+            margin
+                .rated_torque
+                .map_or_else(|| "–".to_owned(), |rated| format!("{} {unit}", number(rated, 4))),
             format!("{} rad/s", number(margin.peak_motor_speed, 4)),
             format!("{} W", number(margin.peak_power_w, 4)),
         ]
@@ -211,8 +195,7 @@ fn motion(out: &mut String, plan: &v1::MovePlan, robot: &v1::Robot, units: Units
     ];
     let rows = plan.patterns.iter().map(|pattern| {
         let unit = units.of(robot, &pattern.joint);
-        let show =
-            |value: f64, unit_name: &str| format!("{} {unit_name}", number(unit.factor * value, 4));
+        let show = |value: f64, unit_name: &str| format!("{} {unit_name}", number(unit.factor * value, 4));
         [
             escape(&pattern.joint),
             show(pattern.displacement, unit.position),
@@ -261,8 +244,7 @@ mod tests {
             assert!(html.contains(part), "{part:?} is not in the report");
         }
         for tag in ["section", "table", "tr", "td", "th", "dl", "div", "span"] {
-            let open = html.matches(&format!("<{tag}>")).count()
-                + html.matches(&format!("<{tag} ")).count();
+            let open = html.matches(&format!("<{tag}>")).count() + html.matches(&format!("<{tag} ")).count();
             assert_eq!(open, html.matches(&format!("</{tag}>")).count(), "{tag}");
         }
     }

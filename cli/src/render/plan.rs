@@ -33,11 +33,7 @@ pub(crate) fn plan(
         "{} revision {}, takt {}",
         robot.robot_id, provenance.revision, provenance.version
     );
-    let _ = writeln!(
-        out,
-        "{}  {revision}",
-        paint("robot     ", Tone::Bold, colour)
-    );
+    let _ = writeln!(out, "{}  {revision}", paint("robot     ", Tone::Bold, colour));
     out.push('\n');
     out.push_str(&motion(plan, robot, units).render(colour));
     let margins = margins(&plan.torque_margins, robot);
@@ -53,11 +49,7 @@ pub(crate) fn plan(
 pub(crate) fn facts(plan: &v1::MovePlan) -> Vec<(&'static str, String, Tone)> {
     let mut facts = vec![(
         "duration",
-        format!(
-            "{:.3} s  ({} method)",
-            plan.duration_s,
-            words::method(plan.method())
-        ),
+        format!("{:.3} s  ({} method)", plan.duration_s, words::method(plan.method())),
         Tone::Bold,
     )];
     facts.push(("preset", against_preset(plan), Tone::Plain));
@@ -74,11 +66,7 @@ pub(crate) fn facts(plan: &v1::MovePlan) -> Vec<(&'static str, String, Tone)> {
     }
     match plan.fallback() {
         v1::move_plan::Fallback::Resynchronized => {
-            facts.push((
-                "fallback",
-                "all ends synchronized again".to_owned(),
-                Tone::Plain,
-            ));
+            facts.push(("fallback", "all ends synchronized again".to_owned(), Tone::Plain));
         }
         v1::move_plan::Fallback::Rebased => {
             facts.push((
@@ -99,7 +87,7 @@ pub(crate) fn facts(plan: &v1::MovePlan) -> Vec<(&'static str, String, Tone)> {
         .and_then(|payload| payload.mass_kg)
         .filter(|mass| *mass > 0.0)
     {
-        facts.push(("payload", format!("{} kg", number(mass, 4)), Tone::Plain));
+        facts.push(("payload", format!("{mass} kg"), Tone::Plain));
     }
     if plan.torque_utilization < 1.0 || plan.speed_scale < 1.0 {
         let text = format!(
@@ -115,25 +103,20 @@ pub(crate) fn facts(plan: &v1::MovePlan) -> Vec<(&'static str, String, Tone)> {
 /// What was won against the conventional pattern.
 pub(crate) fn against_preset(plan: &v1::MovePlan) -> String {
     let derived = match plan.preset_source() {
-        v1::move_plan::PresetSource::Derived => {
-            ", its accelerations derived from the torque limits"
-        }
+        v1::move_plan::PresetSource::Derived => ", its accelerations derived from the torque limits",
         v1::move_plan::PresetSource::Given | v1::move_plan::PresetSource::Unspecified => "",
     };
-    let won = 1.0 - plan.duration_s / plan.preset_duration_s;
+    let Some(preset) = plan.preset_duration_s else {
+        return "unknown: a joint that moves has no preset acceleration".to_owned();
+    };
+    let won = 1.0 - plan.duration_s / preset;
     let verdict = match won {
         won if !won.is_finite() => String::new(),
         won if won.abs() < 5e-4 => ": as long".to_owned(),
         won if won > 0.0 => format!(": {:.1} % of it saved", 100.0 * won),
-        won => format!(
-            ": {:.1} % longer than it, which does not check torques",
-            -100.0 * won
-        ),
+        won => format!(": {:.1} % longer than it, which does not check torques", -100.0 * won),
     };
-    format!(
-        "{:.3} s by the conventional pattern{derived}{verdict}",
-        plan.preset_duration_s
-    )
+    format!("{preset:.3} s by the conventional pattern{derived}{verdict}")
 }
 
 fn limits_of<'r>(robot: &'r v1::Robot, joint: &str) -> Option<&'r v1::JointLimits> {
@@ -177,8 +160,8 @@ fn motion(plan: &v1::MovePlan, robot: &v1::Robot, units: Units) -> Table {
         format!("move [{move_unit}]"),
         format!("peak speed [{speed_unit}]"),
         "of limit".to_owned(),
-        "acceleration [/s²]".to_owned(),
-        "deceleration [/s²]".to_owned(),
+        "accel. [/s²]".to_owned(),
+        "decel. [/s²]".to_owned(),
         "up, cruise, down [s]".to_owned(),
     ])
     .numbers_from(1);
@@ -211,9 +194,7 @@ pub(crate) fn margins(margins: &[v1::TorqueMargin], robot: &v1::Robot) -> Table 
             .iter()
             .map(|margin| Units::default().of(robot, &margin.joint).torque),
     );
-    let column = |value: fn(&v1::TorqueMargin) -> Option<f64>| {
-        aligned(&margins.iter().map(value).collect::<Vec<_>>())
-    };
+    let column = |value: fn(&v1::TorqueMargin) -> Option<f64>| aligned(&margins.iter().map(value).collect::<Vec<_>>());
     let (peaks, limits) = (
         column(|margin| Some(margin.peak_torque)),
         column(|margin| Some(margin.limit)),
@@ -228,15 +209,15 @@ pub(crate) fn margins(margins: &[v1::TorqueMargin], robot: &v1::Robot) -> Table 
     );
     let mut table = Table::new([
         "joint".to_owned(),
-        format!("peak torque [{unit}]"),
+        format!("peak [{unit}]"),
         "limit".to_owned(),
         "margin".to_owned(),
         "at [s]".to_owned(),
         "while".to_owned(),
         "RMS".to_owned(),
         "rated".to_owned(),
-        "motor [rad/s]".to_owned(),
-        "power [W]".to_owned(),
+        "motor rad/s".to_owned(),
+        "W".to_owned(),
     ])
     .numbers_from(1);
     for (index, margin) in margins.iter().enumerate() {
@@ -245,9 +226,7 @@ pub(crate) fn margins(margins: &[v1::TorqueMargin], robot: &v1::Robot) -> Table 
             part if part < TIGHT => Tone::Bold,
             _ => Tone::Plain,
         };
-        let hot = margin
-            .rated_torque
-            .is_some_and(|rated| margin.rms_torque.abs() > rated);
+        let hot = margin.rated_torque.is_some_and(|rated| margin.rms_torque.abs() > rated);
         table.row([
             Cell::from(margin.joint.clone()),
             Cell::from(peaks[index].clone()),
@@ -255,10 +234,7 @@ pub(crate) fn margins(margins: &[v1::TorqueMargin], robot: &v1::Robot) -> Table 
             Cell::new(format!("{:.1} %", 100.0 * margin.margin), tone),
             Cell::from(format!("{:.3}", margin.time_s)),
             Cell::from(words::phase(margin.phase())),
-            Cell::new(
-                rms[index].clone(),
-                if hot { Tone::Bad } else { Tone::Plain },
-            ),
+            Cell::new(rms[index].clone(), if hot { Tone::Bad } else { Tone::Plain }),
             Cell::from(rated[index].clone()),
             Cell::from(speeds[index].clone()),
             Cell::from(powers[index].clone()),
@@ -272,11 +248,7 @@ pub(crate) fn warnings(warnings: &[String], colour: bool) -> String {
     let mut out = String::new();
     for (index, warning) in warnings.iter().enumerate() {
         let start = if index == 0 { "\n" } else { "" };
-        let _ = writeln!(
-            out,
-            "{start}{} {warning}",
-            paint("warning:", Tone::Bold, colour)
-        );
+        let _ = writeln!(out, "{start}{} {warning}", paint("warning:", Tone::Bold, colour));
     }
     out
 }
@@ -290,11 +262,7 @@ pub(crate) fn infeasible(infeasible: &v1::Infeasible, robot: &v1::Robot, colour:
         words::reason(infeasible.reason())
     );
     let mut line = |name: &str, value: &str| {
-        let _ = writeln!(
-            out,
-            "{}  {value}",
-            paint(&format!("{name:<10}"), Tone::Bold, colour)
-        );
+        let _ = writeln!(out, "{}  {value}", paint(&format!("{name:<10}"), Tone::Bold, colour));
     };
     line("joint", &infeasible.joint);
     let place = match infeasible.location {
@@ -318,10 +286,7 @@ pub(crate) fn infeasible(infeasible: &v1::Infeasible, robot: &v1::Robot, colour:
     line("available", &format!("{} {unit}", number(available, 5)));
     line(
         "of which",
-        &format!(
-            "{} {unit} are gravity's",
-            number(infeasible.gravity_torque, 5)
-        ),
+        &format!("{} {unit} are gravity's", number(infeasible.gravity_torque, 5)),
     );
     if let Some(mass) = infeasible.feasible_payload_kg {
         line("payload", &format!("up to {} kg would do", number(mass, 4)));
@@ -338,10 +303,7 @@ mod tests {
     use crate::render::example;
 
     fn row<'t>(text: &'t str, joint: &str, nth: usize) -> &'t str {
-        text.lines()
-            .filter(|line| line.starts_with(joint))
-            .nth(nth)
-            .unwrap()
+        text.lines().filter(|line| line.starts_with(joint)).nth(nth).unwrap()
     }
 
     #[test]
@@ -359,21 +321,15 @@ mod tests {
             "torque of turn at 0.000 s, speeding up (97.5 % used)",
             "broke a limit by 4.0 %; holding it cost 100.0 ms",
             "move [rad or m]",
-            "peak torque [N m or N]",
+            "peak [N m or N]",
             "warning: jerk limits do not apply",
             "arm revision r1, takt 0.1.0",
-            "payload     2.000 kg",
+            "payload     2 kg",
         ] {
             assert!(text.contains(part), "{part:?} is not in\n{text}");
         }
-        assert!(
-            row(&text, "turn", 0).contains("75.0 %"),
-            "of the speed limit: {text}"
-        );
-        assert!(
-            row(&text, "turn", 1).contains("2.5 %"),
-            "torque margin: {text}"
-        );
+        assert!(row(&text, "turn", 0).contains("75.0 %"), "of the speed limit: {text}");
+        assert!(row(&text, "turn", 1).contains("2.5 %"), "torque margin: {text}");
         assert!(!text.contains('\x1b'));
     }
 

@@ -129,11 +129,7 @@ fn sides(drive: &v1::Drive, value: fn(&v1::Friction) -> Option<f64>) -> String {
         value(friction).map(|value| format!("{value}{side}"))
     };
     let list: Vec<String> = drive.friction.iter().filter_map(text).collect();
-    if list.is_empty() {
-        dash()
-    } else {
-        list.join(", ")
-    }
+    if list.is_empty() { dash() } else { list.join(", ") }
 }
 
 #[cfg(test)]

@@ -16,10 +16,7 @@ impl Axis {
             high = high.max(value);
         }
         if low > high {
-            return Self {
-                low: 0.0,
-                high: 1.0,
-            };
+            return Self { low: 0.0, high: 1.0 };
         }
         if high - low > f64::EPSILON * high.abs().max(low.abs()) {
             Self { low, high }
@@ -87,14 +84,8 @@ pub(crate) fn thinned(time: &[f64], values: &[f64], columns: usize) -> Vec<(f64,
     let chunk = all.len().div_ceil(columns.max(1));
     let mut out = Vec::with_capacity(2 * columns + 2);
     for part in all.chunks(chunk) {
-        let low = part
-            .iter()
-            .enumerate()
-            .min_by(|a, b| a.1.1.total_cmp(&b.1.1));
-        let high = part
-            .iter()
-            .enumerate()
-            .max_by(|a, b| a.1.1.total_cmp(&b.1.1));
+        let low = part.iter().enumerate().min_by(|a, b| a.1.1.total_cmp(&b.1.1));
+        let high = part.iter().enumerate().max_by(|a, b| a.1.1.total_cmp(&b.1.1));
         if let (Some((low, a)), Some((high, b))) = (low, high) {
             out.extend(if low < high { [*a, *b] } else { [*b, *a] });
         }

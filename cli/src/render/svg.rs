@@ -61,13 +61,7 @@ pub(crate) fn render(curves: &Curves, heading: &Heading) -> String {
         y += ROW;
     }
     for left in PANELS_LEFT {
-        text(
-            &mut out,
-            left + PANEL_WIDTH / 2.0,
-            y + 8.0,
-            "sub mid",
-            "time [s]",
-        );
+        text(&mut out, left + PANEL_WIDTH / 2.0, y + 8.0, "sub mid", "time [s]");
     }
     out.push_str("</svg>\n");
     out
@@ -111,11 +105,7 @@ fn legend(out: &mut String, y: f64) {
     text(out, 55.0, y, "sub", "plan");
     line(out, "limit", [104.0, y - 4.0, 132.0, y - 4.0]);
     text(out, 139.0, y, "sub", "limit in force");
-    let _ = writeln!(
-        out,
-        "<circle class=\"peak\" cx=\"252\" cy=\"{:.1}\" r=\"4\"/>",
-        y - 4.0
-    );
+    let _ = writeln!(out, "<circle class=\"peak\" cx=\"252\" cy=\"{:.1}\" r=\"4\"/>", y - 4.0);
     text(out, 263.0, y, "sub", "tightest moment");
     let _ = writeln!(
         out,
@@ -128,50 +118,22 @@ fn legend(out: &mut String, y: f64) {
 fn row(out: &mut String, time: &[f64], joint: &JointCurves, y: f64) {
     line(out, "rule", [20.0, y - 2.0, WIDTH - 20.0, y - 2.0]);
     text(out, 20.0, y + 20.0, "joint", &joint.joint);
-    for (curve, left) in [&joint.velocity, &joint.torque]
-        .into_iter()
-        .zip(PANELS_LEFT)
-    {
-        panel(
-            out,
-            time,
-            curve,
-            joint.switches,
-            left,
-            y + NAME_ABOVE + 20.0,
-        );
+    for (curve, left) in [&joint.velocity, &joint.torque].into_iter().zip(PANELS_LEFT) {
+        panel(out, time, curve, joint.switches, left, y + NAME_ABOVE + 20.0);
     }
 }
 
-fn panel(
-    out: &mut String,
-    time: &[f64],
-    curve: &Curve,
-    switches: Option<(f64, f64)>,
-    left: f64,
-    top: f64,
-) {
+fn panel(out: &mut String, time: &[f64], curve: &Curve, switches: Option<(f64, f64)>, left: f64, top: f64) {
     let end = time.last().copied().unwrap_or(0.0);
     let limits = curve.limits_in_sight();
     let across = Axis::around([0.0, end]);
-    let values = curve
-        .values
-        .iter()
-        .copied()
-        .chain(limits.iter().copied())
-        .chain([0.0]);
+    let values = curve.values.iter().copied().chain(limits.iter().copied()).chain([0.0]);
     let up = Axis::around(values).padded(0.08);
     let x = |value: f64| left + PANEL_WIDTH * across.part(value);
     let y = |value: f64| top + PANEL_HEIGHT * (1.0 - up.part(value));
     let (right, bottom) = (left + PANEL_WIDTH, top + PANEL_HEIGHT);
 
-    text(
-        out,
-        left,
-        top - 8.0,
-        "",
-        &format!("{} [{}]", curve.name, curve.unit),
-    );
+    text(out, left, top - 8.0, "", &format!("{} [{}]", curve.name, curve.unit));
     let summary = match curve.use_of_limit() {
         Some(part) => format!("{:.1} % of the limit", 100.0 * part),
         None => "no limit known".to_owned(),
@@ -206,13 +168,7 @@ fn panel(
     }
     for limit in limits {
         line(out, "limit", [left, y(limit), right, y(limit)]);
-        text(
-            out,
-            right + 6.0,
-            y(limit) + 4.0,
-            "limit-text",
-            &number(limit, 4),
-        );
+        text(out, right + 6.0, y(limit) + 4.0, "limit-text", &number(limit, 4));
     }
     #[allow(
         clippy::cast_possible_truncation,
@@ -228,7 +184,7 @@ fn panel(
         out.truncate(out.trim_end().len());
         out.push_str("\"/>\n");
     }
-    if let Some((index, value)) = curve.peak() {
+    if let Some((index, value)) = curve.peak().filter(|(_, value)| *value != 0.0) {
         let at = time.get(index).copied().unwrap_or(0.0);
         peak(
             out,
@@ -240,17 +196,9 @@ fn panel(
 }
 
 /// The mark of the tightest moment; its words stay inside the panel, on the side that has room.
-fn peak(
-    out: &mut String,
-    (x, y): (f64, f64),
-    (left, right, top, bottom): (f64, f64, f64, f64),
-    label: &str,
-) {
+fn peak(out: &mut String, (x, y): (f64, f64), (left, right, top, bottom): (f64, f64, f64, f64), label: &str) {
     const WORDS: f64 = 110.0;
-    let _ = writeln!(
-        out,
-        "<circle class=\"peak\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\"/>"
-    );
+    let _ = writeln!(out, "<circle class=\"peak\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\"/>");
     let (text_x, class) = if x + WORDS > right && x - WORDS > left {
         (x - 8.0, "peak-text right")
     } else {
@@ -271,8 +219,7 @@ mod tests {
     use crate::render::{example, words::Units};
 
     fn picture() -> String {
-        let mut curves =
-            Curves::of(&example::plan(), &example::robot(), &[], Units::default()).unwrap();
+        let mut curves = Curves::of(&example::plan(), &example::robot(), &[], Units::default()).unwrap();
         curves.joints[1].joint = "<slide> & \"co\"".to_owned();
         render(
             &curves,
@@ -310,8 +257,7 @@ mod tests {
 
     #[test]
     fn every_coordinate_is_a_number_inside_the_picture() {
-        let mut curves =
-            Curves::of(&example::plan(), &example::robot(), &[], Units::default()).unwrap();
+        let mut curves = Curves::of(&example::plan(), &example::robot(), &[], Units::default()).unwrap();
         curves.joints[0].torque.values = vec![f64::NAN; 5];
         curves.joints[0].velocity.values = vec![0.0; 5];
         curves.joints[1].torque.values.clear();

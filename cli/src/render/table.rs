@@ -173,10 +173,7 @@ fn decimals_for(magnitude: f64, digits: i32) -> usize {
     if !(magnitude > 0.0 && magnitude.is_finite()) {
         return 1;
     }
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "a double's exponent is within ±324"
-    )]
+    #[allow(clippy::cast_possible_truncation, reason = "a double's exponent is within ±324")]
     let before = magnitude.log10().floor() as i32 + 1;
     usize::try_from((digits - before).clamp(0, 6)).unwrap_or(0)
 }
@@ -196,12 +193,8 @@ mod tests {
         assert!(ends.windows(2).all(|pair| pair[0] == pair[1]), "{text}");
         let coloured = table.render(true);
         let bare = coloured.split('\x1b').map(|part| {
-            part.split_once('m').map_or(
-                part,
-                |(code, rest)| {
-                    if code.starts_with('[') { rest } else { part }
-                },
-            )
+            part.split_once('m')
+                .map_or(part, |(code, rest)| if code.starts_with('[') { rest } else { part })
         });
         assert_eq!(bare.collect::<String>(), text);
     }

@@ -87,9 +87,9 @@ fn plot(time: &[f64], curve: &Curve, width: usize, colour: bool) -> Vec<Line> {
         .collect();
     canvas.curve(&points);
 
-    let use_of_limit = curve.use_of_limit().map_or_else(String::new, |part| {
-        format!(", {:.1} % of limit", 100.0 * part)
-    });
+    let use_of_limit = curve
+        .use_of_limit()
+        .map_or_else(String::new, |part| format!(", {:.1} % of limit", 100.0 * part));
     let peak = curve.peak().map_or(0.0, |(_, peak)| peak);
     let title = format!(
         "{}{} [{}]  peak {}{use_of_limit}",
@@ -117,8 +117,7 @@ fn plot(time: &[f64], curve: &Curve, width: usize, colour: bool) -> Vec<Line> {
     }
     let end = format!("{end:.3} s");
     let left = " ".repeat(GUTTER) + "└0";
-    let rule = "─"
-        .repeat((GUTTER + 1 + columns).saturating_sub(left.chars().count() + end.chars().count()));
+    let rule = "─".repeat((GUTTER + 1 + columns).saturating_sub(left.chars().count() + end.chars().count()));
     lines.push(line(format!("{left}{rule}{end}")));
     lines
 }
@@ -252,11 +251,7 @@ impl Canvas {
 fn interpolate(points: &[(f64, f64)], x: f64) -> Option<f64> {
     let after = points.partition_point(|point| point.0 < x);
     let (a, b) = (points.get(after.checked_sub(1)?)?, points.get(after)?);
-    let part = if b.0 > a.0 {
-        (x - a.0) / (b.0 - a.0)
-    } else {
-        0.0
-    };
+    let part = if b.0 > a.0 { (x - a.0) / (b.0 - a.0) } else { 0.0 };
     Some(a.1 + part * (b.1 - a.1)).filter(|value| value.is_finite())
 }
 
@@ -274,10 +269,7 @@ mod tests {
         for width in [0, 40, 60, 99, 100, 140, 5000] {
             let text = render(&curves(), width, false);
             let widest = text.lines().map(|line| line.chars().count()).max().unwrap();
-            assert!(
-                widest <= width.clamp(NARROWEST, WIDEST),
-                "{width}: {widest}\n{text}"
-            );
+            assert!(widest <= width.clamp(NARROWEST, WIDEST), "{width}: {widest}\n{text}");
             assert!(!text.contains('\x1b'));
         }
     }
@@ -286,26 +278,14 @@ mod tests {
     fn titles_name_quantity_unit_and_use() {
         let text = render(&curves(), 60, false);
         assert!(text.contains("turn\n"), "{text}");
-        assert!(
-            text.contains("velocity [rad/s]  peak 1.500, 75.0 % of limit"),
-            "{text}"
-        );
-        assert!(
-            text.contains("torque [N]  peak -20.00, 40.0 % of limit"),
-            "{text}"
-        );
+        assert!(text.contains("velocity [rad/s]  peak 1.500, 75.0 % of limit"), "{text}");
+        assert!(text.contains("torque [N]  peak -20.00, 40.0 % of limit"), "{text}");
     }
 
     #[test]
     fn a_curve_reaches_from_edge_to_edge_and_keeps_its_peak() {
         let mut canvas = Canvas::new(10, 2);
-        canvas.curve(&[
-            (0.0, 0.0),
-            (0.501, 0.0),
-            (0.502, 1.0),
-            (0.503, 0.0),
-            (1.0, 0.0),
-        ]);
+        canvas.curve(&[(0.0, 0.0), (0.501, 0.0), (0.502, 1.0), (0.503, 0.0), (1.0, 0.0)]);
         let (top, bottom) = (canvas.row(0, false), canvas.row(1, false));
         assert!(top.trim() != "", "the peak is drawn: {top:?}");
         assert!(!bottom.contains(' '), "{bottom:?}");

@@ -34,14 +34,12 @@ impl Units {
                 torque: "N",
                 factor: 1.0,
             },
-            Some(v1::JointType::Revolute | v1::JointType::Continuous) if self.degrees => {
-                JointUnit {
-                    position: "deg",
-                    velocity: "deg/s",
-                    torque: "N m",
-                    factor: 1.0_f64.to_degrees(),
-                }
-            }
+            Some(v1::JointType::Revolute | v1::JointType::Continuous) if self.degrees => JointUnit {
+                position: "deg",
+                velocity: "deg/s",
+                torque: "N m",
+                factor: 1.0_f64.to_degrees(),
+            },
             Some(v1::JointType::Revolute | v1::JointType::Continuous) => JointUnit {
                 position: "rad",
                 velocity: "rad/s",
@@ -93,7 +91,6 @@ pub(crate) fn limiting(limiting: &v1::Limiting) -> String {
     use v1::limiting::Kind;
     let joint = &limiting.joint;
     let what = match limiting.kind() {
-        Kind::SamplePeriod => return "the whole number of set-point periods".to_owned(),
         Kind::Unspecified => return "nothing named".to_owned(),
         Kind::Torque => "torque",
         Kind::Velocity => "speed limit",
