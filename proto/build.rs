@@ -1,7 +1,12 @@
 //! Compiles the schema without `protoc`: one descriptor set feeds the Rust types, the services, the JSON form,
 //! reflection and the OpenAPI document.
 
-use std::{env, error::Error, fs, path::PathBuf};
+use std::{
+    env,
+    error::Error,
+    fs,
+    path::{Path, PathBuf},
+};
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo:rerun-if-changed=takt");
@@ -15,10 +20,36 @@ fn main() -> Result<(), Box<dyn Error>> {
     fs::write(out.join("descriptor.bin"), &descriptor)?;
     tonic_prost_build::configure()
         .build_transport(false)
+        .codec_path("crate::codec::Codec")
         .compile_fds(compiler.file_descriptor_set())?;
-    pbjson_build::Builder::new()
-        .preserve_proto_field_names()
-        .register_descriptors(&descriptor)?
-        .build(&[".takt.v1"])?;
+    write_json_form(&descriptor, &out)
+}
+
+/// In these a field that says nothing is left out of the JSON: descriptions come back as they were given, and what was
+/// not asked for is not there. Everywhere else zeros and empty lists are written out.
+const SPARSE: [&str; 10] = [
+    ".takt.v1.RobotDescription",
+    ".takt.v1.JointDescription",
+    ".takt.v1.JointLimits",
+    ".takt.v1.Drive",
+    ".takt.v1.Friction",
+    ".takt.v1.Payload",
+    ".takt.v1.Tool",
+    ".takt.v1.Frame",
+    ".takt.v1.Pose",
+    ".takt.v1.InverseDynamicsResult",
+];
+
+fn write_json_form(descriptor: &[u8], out: &Path) -> Result<(), Box<dyn Error>> {
+    let builder = || -> Result<pbjson_build::Builder, Box<dyn Error>> {
+        let mut builder = pbjson_build::Builder::new();
+        builder.preserve_proto_field_names().register_descriptors(descriptor)?;
+        Ok(builder)
+    };
+    let sparse = out.join("sparse");
+    fs::create_dir_all(&sparse)?;
+    builder()?.out_dir(&sparse).build(&SPARSE)?;
+    let mut rest = builder()?;
+    rest.emit_fields().exclude(SPARSE).build(&[".takt.v1"])?;
     Ok(())
 }

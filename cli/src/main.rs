@@ -1,1 +1,28 @@
-fn main() {}
+//! The binary `takt`.
+
+use std::{
+    env,
+    io::{self, IsTerminal},
+    process::ExitCode,
+};
+
+use takt_cli::{Io, Terminal, run};
+
+fn main() -> ExitCode {
+    let (output, errors) = (io::stdout(), io::stderr());
+    let width = env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok());
+    let width = width.or_else(|| terminal_size::terminal_size().map(|(width, _)| usize::from(width.0)));
+    let plain = env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty())
+        || env::var_os("TERM").is_some_and(|value| value == "dumb");
+    let mut io = Io {
+        terminal: Terminal {
+            width: width.unwrap_or(100),
+            colour: output.is_terminal() && !plain,
+            error_colour: errors.is_terminal() && !plain,
+        },
+        input: Box::new(io::stdin()),
+        output: Box::new(output),
+        errors: Box::new(errors),
+    };
+    ExitCode::from(run(env::args_os(), &mut io))
+}

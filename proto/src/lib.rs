@@ -1,5 +1,13 @@
 //! The wire schema of Takt, and the only conversions between it and the domain of [`takt_motion`].
 
+#![warn(missing_docs)]
+
+pub mod codec;
+pub mod convert;
+pub mod error;
+pub mod id;
+pub mod route;
+
 /// Generated messages, clients and servers of the package `takt.v1`, with the canonical JSON of the messages.
 #[allow(
     missing_docs,
@@ -12,6 +20,7 @@
 pub mod v1 {
     tonic::include_proto!("takt.v1");
     include!(concat!(env!("OUT_DIR"), "/takt.v1.serde.rs"));
+    include!(concat!(env!("OUT_DIR"), "/sparse/takt.v1.serde.rs"));
 }
 
 /// The encoded `FileDescriptorSet` of the schema, with comments: for reflection and the OpenAPI document.

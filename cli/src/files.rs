@@ -1,0 +1,200 @@
+//! Files that people write: JSON, YAML or TOML of the messages, and standard input.
+
+use std::{fs, io::Read, path::Path};
+
+use serde::{Deserialize, de::DeserializeOwned};
+use takt_client::v1;
+
+use crate::{failure::Failure, io::Io};
+
+/// How a text is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Json,
+    Yaml,
+    Toml,
+}
+
+impl Format {
+    /// By the file's name; what has none is told by its first character.
+    fn of(name: &str, text: &str) -> Self {
+        match Path::new(name).extension().and_then(|extension| extension.to_str()) {
+            Some("yaml" | "yml") => Self::Yaml,
+            Some("toml") => Self::Toml,
+            Some("json") => Self::Json,
+            _ if text.trim_start().starts_with(['{', '[']) => Self::Json,
+            _ => Self::Yaml,
+        }
+    }
+
+    fn parse<T: DeserializeOwned>(self, text: &str) -> Result<T, String> {
+        match self {
+            Self::Json => serde_json::from_str(text).map_err(|error| error.to_string()),
+            Self::Yaml => serde_saphyr::from_str(text).map_err(|error| error.to_string()),
+            Self::Toml => toml::from_str(text).map_err(|error| error.to_string().trim_end().to_owned()),
+        }
+    }
+}
+
+/// Reads a file, or standard input where the name is `-`.
+pub(crate) fn read(name: &str, io: &mut Io) -> Result<String, Failure> {
+    if name == "-" {
+        let mut text = String::new();
+        return match io.input.read_to_string(&mut text) {
+            Ok(_) => Ok(text),
+            Err(error) => Err(Failure::usage(format!("cannot read standard input: {error}"))),
+        };
+    }
+    fs::read_to_string(name).map_err(|error| Failure::usage(format!("cannot read {name}: {error}")))
+}
+
+/// Writes a file that the caller asked for.
+pub(crate) fn write(name: &str, text: &str) -> Result<(), Failure> {
+    fs::write(name, text).map_err(|error| Failure::service(format!("cannot write {name}: {error}")))
+}
+
+/// Reads a message from a text in JSON, YAML or TOML; `name` tells which, and stands in the failure.
+pub(crate) fn message<T: DeserializeOwned>(name: &str, text: &str) -> Result<T, Failure> {
+    Format::of(name, text).parse(text).map_err(|error| wrong(name, &error))
+}
+
+fn wrong(name: &str, error: &str) -> Failure {
+    let name = if name == "-" { "standard input" } else { name };
+    Failure::usage(format!("{name}: {error}"))
+}
+
+/// Only whether a key is there.
+fn has_key(name: &str, text: &str, key: &str) -> bool {
+    let value: Result<serde_json::Value, _> = Format::of(name, text).parse(text);
+    value.is_ok_and(|value| value.get(key).is_some())
+}
+
+/// Reads a description: as such, or as the whole request to register one.
+pub(crate) fn description(name: &str, text: &str) -> Result<v1::RobotDescription, Failure> {
+    if has_key(name, text, "description") {
+        let request: v1::RegisterRobotRequest = message(name, text)?;
+        return Ok(request.description.unwrap_or_default());
+    }
+    message(name, text)
+}
+
+/// Reads a list of joints: bare, or under the key `joints` (the only way in TOML).
+pub(crate) fn joints(name: &str, text: &str) -> Result<Vec<v1::JointDescription>, Failure> {
+    #[derive(Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Joints {
+        joints: Vec<v1::JointDescription>,
+    }
+    if Format::of(name, text) == Format::Toml || has_key(name, text, "joints") {
+        return message(name, text).map(|Joints { joints }| joints);
+    }
+    message(name, text)
+}
+
+/// Reads what is to be checked: a request, a trajectory, or the reply to a plan with its set-points.
+pub(crate) fn check_request(name: &str, text: &str) -> Result<v1::CheckTrajectoryRequest, Failure> {
+    if has_key(name, text, "trajectory") {
+        return message(name, text);
+    }
+    let trajectory = if has_key(name, text, "points") {
+        message(name, text)?
+    } else {
+        let reply: v1::PlanMoveResponse = message(name, text)?;
+        let setpoints = match reply.outcome {
+            Some(v1::plan_move_response::Outcome::Plan(plan)) => plan.setpoints,
+            _ => None,
+        };
+        let setpoints = setpoints.ok_or_else(|| {
+            wrong(
+                name,
+                "no trajectory in it: neither `trajectory`, nor `points`, nor a plan with set-points",
+            )
+            .hint("ask for set-points when planning: takt plan move … --sample-period 4ms --json")
+        })?;
+        trajectory_of(&setpoints)
+    };
+    Ok(v1::CheckTrajectoryRequest {
+        trajectory: Some(trajectory),
+        ..Default::default()
+    })
+}
+
+/// Columns become points; a column that is too short leaves its values out, and the server says so.
+fn trajectory_of(setpoints: &v1::Setpoints) -> v1::Trajectory {
+    let row = |column: fn(&v1::JointColumns) -> &Vec<f64>, index: usize| {
+        setpoints
+            .joints
+            .iter()
+            .filter_map(|joint| column(joint).get(index).copied())
+            .collect()
+    };
+    let points = setpoints
+        .time_s
+        .iter()
+        .enumerate()
+        .map(|(index, &time_s)| v1::TrajectoryPoint {
+            time_s,
+            position: row(|joint| &joint.position, index),
+            velocity: row(|joint| &joint.velocity, index),
+            acceleration: row(|joint| &joint.acceleration, index),
+        });
+    v1::Trajectory {
+        points: points.collect(),
+        interpolation: None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn joints_are_read_from_every_format() {
+        let json = r#"[{"name": "a", "limits": {"velocity": 2}, "drive": {"gear_ratio": -100}}]"#;
+        let yaml = "- name: a\n  limits: {velocity: 2}\n  drive:\n    gear_ratio: -100\n";
+        let toml = "[[joints]]\nname = \"a\"\nlimits = { velocity = 2 }\ndrive.gear_ratio = -100\n";
+        let expected = joints("j.json", json).unwrap();
+        assert_eq!(expected[0].limits.as_ref().unwrap().velocity, Some(2.0));
+        assert_eq!(joints("j.yaml", yaml).unwrap(), expected);
+        assert_eq!(joints("j.toml", toml).unwrap(), expected);
+        assert_eq!(joints("-", json).unwrap(), expected);
+        assert_eq!(joints("j.yml", &format!("joints:\n{yaml}")).unwrap(), expected);
+    }
+
+    #[test]
+    fn a_mistake_is_named_with_its_place() {
+        let failure = joints("j.yaml", "- name: a\n  limit: {velocity: 2}\n").unwrap_err();
+        let text = failure.render(false);
+        assert!(
+            text.contains("j.yaml") && text.contains("limit") && text.contains('2'),
+            "{text}"
+        );
+        assert!(joints("j.toml", "[[joint]]\nname = \"a\"\n").is_err());
+        assert!(description("d.json", r#"{"urdff": ""}"#).is_err());
+    }
+
+    #[test]
+    fn a_description_may_come_as_a_request() {
+        for text in ["tip_link: t\n", "description: {tip_link: t}\n"] {
+            assert_eq!(description("d.yaml", text).unwrap().tip_link, "t");
+        }
+        let list = "joints:\n- name: a\n  limits: {velocity: 2}\ngravity_m_per_s2: [0, 0, -9.81]\n";
+        assert_eq!(description("d.yaml", list).unwrap().gravity_m_per_s2, [0.0, 0.0, -9.81]);
+    }
+
+    #[test]
+    fn a_plan_can_be_checked_as_it_came() {
+        let reply = r#"{"plan": {"setpoints": {"time_s": [0, 1], "joints": [
+            {"joint": "a", "position": [0, 1], "velocity": [0, 0], "acceleration": [1, -1]},
+            {"joint": "b", "position": [5, 6], "velocity": [0, 0], "acceleration": [2, -2]}]}}}"#;
+        let trajectory = check_request("-", reply).unwrap().trajectory.unwrap();
+        assert_eq!(trajectory.points[1].position, [1.0, 6.0]);
+        assert_eq!(trajectory.points[0].acceleration, [1.0, 2.0]);
+        assert!(
+            check_request("-", r#"{"infeasible": {}}"#)
+                .unwrap_err()
+                .render(false)
+                .contains("hint")
+        );
+    }
+}

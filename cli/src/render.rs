@@ -1,0 +1,17 @@
+//! Forms of output. Everything here is a function of messages to text.
+
+pub(crate) mod check;
+pub(crate) mod csv;
+pub(crate) mod curves;
+pub(crate) mod dynamics;
+pub(crate) mod html;
+pub(crate) mod plan;
+pub(crate) mod robot;
+pub(crate) mod scale;
+pub(crate) mod svg;
+pub(crate) mod table;
+pub(crate) mod terminal_plot;
+pub(crate) mod words;
+
+#[cfg(test)]
+pub(crate) mod example;

@@ -1,0 +1,268 @@
+//! Curves as one SVG: a row a joint, speed at the left, torque at the right, each against its limits.
+//!
+//! Colours are two of Okabe and Ito's palette, which colour-blind readers tell apart; limits are dashed besides.
+
+use std::fmt::Write;
+
+use super::{
+    curves::{Curve, Curves, JointCurves},
+    scale::{Axis, thinned},
+    table::number,
+};
+
+/// What stands above the curves.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Heading {
+    pub(crate) title: String,
+    pub(crate) lines: Vec<String>,
+}
+
+const WIDTH: f64 = 1120.0;
+const PANEL_WIDTH: f64 = 424.0;
+const PANEL_HEIGHT: f64 = 132.0;
+const PANELS_LEFT: [f64; 2] = [68.0, 622.0];
+/// Height of a joint's row: its name, the titles, the panel, the tick labels.
+const ROW: f64 = 214.0;
+const NAME_ABOVE: f64 = 30.0;
+
+const STYLE: &str = "\
+text{font-family:system-ui,'Segoe UI','Helvetica Neue',Arial,'DejaVu Sans',sans-serif;fill:#1d2430;font-size:12px}\
+.title{font-size:20px;font-weight:600}.sub{fill:#4b5563;font-size:13px}.joint{font-size:15px;font-weight:600}\
+.tick{font-size:11px;fill:#4b5563}.right{text-anchor:end}.mid{text-anchor:middle}\
+.panel{fill:#fff;stroke:#c4cad3}.grid{stroke:#e7eaee;stroke-width:1}.zero{stroke:#9aa3af;stroke-width:1}\
+.phase{fill:#1d2430;fill-opacity:.045}.rule{stroke:#e7eaee}\
+.curve{fill:none;stroke:#0072b2;stroke-width:2;stroke-linejoin:round;stroke-linecap:round}\
+.limit{stroke:#d55e00;stroke-width:1.6;stroke-dasharray:7 4}.limit-text{fill:#b34700;font-size:11px}\
+.peak{fill:#fff;stroke:#0072b2;stroke-width:2}.peak-text{fill:#00527f;font-size:11px;font-weight:600;paint-order:stroke;\
+stroke:#fff;stroke-width:3px;stroke-linejoin:round}";
+
+/// The picture as a document of its own.
+pub(crate) fn render(curves: &Curves, heading: &Heading) -> String {
+    #[allow(clippy::cast_precision_loss, reason = "a few lines and joints")]
+    let (lines, rows) = (heading.lines.len() as f64, curves.joints.len() as f64);
+    let top = 52.0 + 19.0 * lines + 30.0;
+    let height = top + ROW * rows + 26.0;
+    let mut out = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height}\" width=\"{WIDTH}\" \
+         height=\"{height}\" role=\"img\">\n<title>{}</title>\n<style>{STYLE}</style>\n\
+         <rect width=\"{WIDTH}\" height=\"{height}\" fill=\"#fff\"/>\n",
+        escape(&heading.title)
+    );
+    text(&mut out, 20.0, 36.0, "title", &heading.title);
+    let mut y = 36.0;
+    for line in &heading.lines {
+        y += 19.0;
+        text(&mut out, 20.0, y, "sub", line);
+    }
+    legend(&mut out, y + 26.0);
+    let mut y = top;
+    for joint in &curves.joints {
+        row(&mut out, &curves.time, joint, y);
+        y += ROW;
+    }
+    for left in PANELS_LEFT {
+        text(&mut out, left + PANEL_WIDTH / 2.0, y + 8.0, "sub mid", "time [s]");
+    }
+    out.push_str("</svg>\n");
+    out
+}
+
+/// What a text needs to stand in XML; characters that XML has no form for are left out.
+pub(crate) fn escape(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            '\n' | '\t' => out.push(' '),
+            character if character.is_control() => {}
+            character => out.push(character),
+        }
+    }
+    out
+}
+
+fn text(out: &mut String, x: f64, y: f64, class: &str, content: &str) {
+    let _ = writeln!(
+        out,
+        "<text x=\"{x:.1}\" y=\"{y:.1}\" class=\"{class}\">{}</text>",
+        escape(content)
+    );
+}
+
+fn line(out: &mut String, class: &str, [x1, y1, x2, y2]: [f64; 4]) {
+    let _ = writeln!(
+        out,
+        "<line class=\"{class}\" x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\"/>"
+    );
+}
+
+fn legend(out: &mut String, y: f64) {
+    line(out, "curve", [20.0, y - 4.0, 48.0, y - 4.0]);
+    text(out, 55.0, y, "sub", "plan");
+    line(out, "limit", [104.0, y - 4.0, 132.0, y - 4.0]);
+    text(out, 139.0, y, "sub", "limit in force");
+    let _ = writeln!(out, "<circle class=\"peak\" cx=\"252\" cy=\"{:.1}\" r=\"4\"/>", y - 4.0);
+    text(out, 263.0, y, "sub", "tightest moment");
+    let _ = writeln!(
+        out,
+        "<rect x=\"380\" y=\"{:.1}\" width=\"28\" height=\"14\" class=\"phase\" stroke=\"#c4cad3\"/>",
+        y - 12.0
+    );
+    text(out, 415.0, y, "sub", "speeding up, slowing down");
+}
+
+fn row(out: &mut String, time: &[f64], joint: &JointCurves, y: f64) {
+    line(out, "rule", [20.0, y - 2.0, WIDTH - 20.0, y - 2.0]);
+    text(out, 20.0, y + 20.0, "joint", &joint.joint);
+    for (curve, left) in [&joint.velocity, &joint.torque].into_iter().zip(PANELS_LEFT) {
+        panel(out, time, curve, joint.switches, left, y + NAME_ABOVE + 20.0);
+    }
+}
+
+fn panel(out: &mut String, time: &[f64], curve: &Curve, switches: Option<(f64, f64)>, left: f64, top: f64) {
+    let end = time.last().copied().unwrap_or(0.0);
+    let limits = curve.limits_in_sight();
+    let across = Axis::around([0.0, end]);
+    let values = curve.values.iter().copied().chain(limits.iter().copied()).chain([0.0]);
+    let up = Axis::around(values).padded(0.08);
+    let x = |value: f64| left + PANEL_WIDTH * across.part(value);
+    let y = |value: f64| top + PANEL_HEIGHT * (1.0 - up.part(value));
+    let (right, bottom) = (left + PANEL_WIDTH, top + PANEL_HEIGHT);
+
+    text(out, left, top - 8.0, "", &format!("{} [{}]", curve.name, curve.unit));
+    let summary = match curve.use_of_limit() {
+        Some(part) => format!("{:.1} % of the limit", 100.0 * part),
+        None => "no limit known".to_owned(),
+    };
+    text(out, right, top - 8.0, "sub right", &summary);
+
+    let _ = writeln!(
+        out,
+        "<rect class=\"panel\" x=\"{left:.1}\" y=\"{top:.1}\" width=\"{PANEL_WIDTH}\" height=\"{PANEL_HEIGHT}\"/>"
+    );
+    if let Some((accelerated, decelerating)) = switches {
+        for (from, to) in [(0.0, accelerated), (decelerating, end)] {
+            let (from, to) = (x(from.clamp(0.0, end)), x(to.clamp(0.0, end)));
+            let _ = writeln!(
+                out,
+                "<rect class=\"phase\" x=\"{from:.1}\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{PANEL_HEIGHT}\"/>",
+                (to - from).max(0.0)
+            );
+        }
+    }
+    for (value, label) in up.ticks(5) {
+        line(
+            out,
+            if value == 0.0 { "zero" } else { "grid" },
+            [left, y(value), right, y(value)],
+        );
+        text(out, left - 7.0, y(value) + 4.0, "tick right", &label);
+    }
+    for (value, label) in across.ticks(8) {
+        line(out, "grid", [x(value), bottom, x(value), bottom + 4.0]);
+        text(out, x(value), bottom + 17.0, "tick mid", &label);
+    }
+    for limit in limits {
+        line(out, "limit", [left, y(limit), right, y(limit)]);
+        text(out, right + 6.0, y(limit) + 4.0, "limit-text", &number(limit, 4));
+    }
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a constant of some hundred"
+    )]
+    let points = thinned(time, &curve.values, PANEL_WIDTH as usize);
+    if !points.is_empty() {
+        out.push_str("<polyline class=\"curve\" points=\"");
+        for (time, value) in &points {
+            let _ = write!(out, "{:.1},{:.1} ", x(*time), y(*value));
+        }
+        out.truncate(out.trim_end().len());
+        out.push_str("\"/>\n");
+    }
+    if let Some((index, value)) = curve.peak().filter(|(_, value)| *value != 0.0) {
+        let at = time.get(index).copied().unwrap_or(0.0);
+        peak(
+            out,
+            (x(at), y(value)),
+            (left, right, top, bottom),
+            &format!("{} at {at:.3} s", number(value, 4)),
+        );
+    }
+}
+
+/// The mark of the tightest moment; its words stay inside the panel, on the side that has room.
+fn peak(out: &mut String, (x, y): (f64, f64), (left, right, top, bottom): (f64, f64, f64, f64), label: &str) {
+    const WORDS: f64 = 110.0;
+    let _ = writeln!(out, "<circle class=\"peak\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\"/>");
+    let (text_x, class) = if x + WORDS > right && x - WORDS > left {
+        (x - 8.0, "peak-text right")
+    } else {
+        (x + 8.0, "peak-text")
+    };
+    let below = y + 17.0;
+    let text_y = if below < bottom - 4.0 {
+        below
+    } else {
+        (y - 9.0).max(top + 12.0)
+    };
+    text(out, text_x, text_y, class, label);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::{example, words::Units};
+
+    fn picture() -> String {
+        let mut curves = Curves::of(&example::plan(), &example::robot(), &[], Units::default()).unwrap();
+        curves.joints[1].joint = "<slide> & \"co\"".to_owned();
+        render(
+            &curves,
+            &Heading {
+                title: "arm <1>".to_owned(),
+                lines: vec!["1.000 s".to_owned()],
+            },
+        )
+    }
+
+    #[test]
+    fn every_joint_has_two_panels_with_curve_limit_peak_and_units() {
+        let svg = picture();
+        assert_eq!(svg.matches("class=\"panel\"").count(), 4);
+        assert_eq!(svg.matches("<polyline class=\"curve\"").count(), 4);
+        assert_eq!(svg.matches("class=\"limit-text\"").count(), 6);
+        for part in [
+            "velocity [rad/s]",
+            "torque [N]",
+            "time [s]",
+            "97.5 % of the limit",
+            "97.50 at 0.000 s",
+        ] {
+            assert!(svg.contains(part), "{part:?} is not in the picture");
+        }
+    }
+
+    #[test]
+    fn names_cannot_break_the_document() {
+        let svg = picture();
+        assert!(svg.contains("&lt;slide&gt; &amp; &quot;co&quot;"));
+        assert!(svg.contains("<title>arm &lt;1&gt;</title>"));
+        assert_eq!(escape("a\u{0}\u{1b}[1mb\nc"), "a[1mb c");
+    }
+
+    #[test]
+    fn every_coordinate_is_a_number_inside_the_picture() {
+        let mut curves = Curves::of(&example::plan(), &example::robot(), &[], Units::default()).unwrap();
+        curves.joints[0].torque.values = vec![f64::NAN; 5];
+        curves.joints[0].velocity.values = vec![0.0; 5];
+        curves.joints[1].torque.values.clear();
+        let svg = render(&curves, &Heading::default());
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+        render(&Curves::default(), &Heading::default());
+    }
+}

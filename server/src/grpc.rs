@@ -1,0 +1,166 @@
+//! The gRPC edge: decodes, calls the service, encodes.
+
+use std::{convert::Infallible, sync::Arc};
+
+use async_trait::async_trait;
+use http::{Request, Response};
+use hyper::body::Incoming;
+use takt_proto::{
+    DESCRIPTOR,
+    error::ErrorCode,
+    v1::{
+        self, dynamics_service_server::DynamicsServiceServer, plan_service_server::PlanServiceServer,
+        robot_service_server::RobotServiceServer,
+    },
+};
+use tonic::{Status, body::Body, metadata::AsciiMetadataValue, server::NamedService};
+use tonic_health::{pb::health_server::HealthServer, server::HealthService};
+use tower::{Service as _, util::BoxCloneSyncService};
+
+use crate::{
+    edge::{SERVER_TIMING, server_timing},
+    error::ServiceError,
+    health::Health,
+    service::{Answer, Call, Service},
+};
+
+type Boxed = BoxCloneSyncService<Request<Incoming>, Response<Body>, Infallible>;
+
+/// Every gRPC service of the port.
+#[derive(Clone, Debug)]
+pub(crate) struct Grpc {
+    robots: RobotServiceServer<Handler>,
+    plans: PlanServiceServer<Handler>,
+    dynamics: DynamicsServiceServer<Handler>,
+    health: HealthServer<HealthService>,
+    reflection: Boxed,
+    reflection_alpha: Boxed,
+}
+
+/// What reflection is called in its two versions.
+const REFLECTION: &str = "grpc.reflection.v1.ServerReflection";
+const REFLECTION_ALPHA: &str = "grpc.reflection.v1alpha.ServerReflection";
+
+/// The services whose health can be asked for.
+pub(crate) const SERVICES: [&str; 3] = [
+    RobotServiceServer::<Handler>::NAME,
+    PlanServiceServer::<Handler>::NAME,
+    DynamicsServiceServer::<Handler>::NAME,
+];
+
+impl Grpc {
+    pub(crate) fn new(
+        service: Arc<Service>,
+        health: &Health,
+        max_request_bytes: usize,
+    ) -> Result<Self, tonic_reflection::server::Error> {
+        let handler = Arc::new(Handler(service));
+        let reflection = || {
+            tonic_reflection::server::Builder::configure()
+                .register_encoded_file_descriptor_set(DESCRIPTOR)
+                .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
+        };
+        let robots = RobotServiceServer::from_arc(Arc::clone(&handler));
+        let plans = PlanServiceServer::from_arc(Arc::clone(&handler));
+        let dynamics = DynamicsServiceServer::from_arc(handler);
+        Ok(Self {
+            robots: robots.max_decoding_message_size(max_request_bytes),
+            plans: plans.max_decoding_message_size(max_request_bytes),
+            dynamics: dynamics.max_decoding_message_size(max_request_bytes),
+            health: HealthServer::new(HealthService::from_health_reporter(health.reporter())),
+            reflection: BoxCloneSyncService::new(reflection().build_v1()?),
+            reflection_alpha: BoxCloneSyncService::new(reflection().build_v1alpha()?),
+        })
+    }
+
+    /// Hands a request to its service.
+    pub(crate) async fn handle(&self, request: Request<Incoming>) -> Response<Body> {
+        let service = request.uri().path().split('/').nth(1).unwrap_or("");
+        let answer = match service {
+            RobotServiceServer::<Handler>::NAME => self.robots.clone().call(request).await,
+            PlanServiceServer::<Handler>::NAME => self.plans.clone().call(request).await,
+            DynamicsServiceServer::<Handler>::NAME => self.dynamics.clone().call(request).await,
+            HealthServer::<HealthService>::NAME => self.health.clone().call(request).await,
+            REFLECTION => self.reflection.clone().call(request).await,
+            REFLECTION_ALPHA => self.reflection_alpha.clone().call(request).await,
+            _ => {
+                let path = takt_proto::convert::quoted(request.uri().path());
+                let message = format!("there is no method {path}");
+                return refuse(ServiceError::new(ErrorCode::Unimplemented, message));
+            }
+        };
+        match answer {
+            Ok(answer) => answer,
+            Err(never) => match never {},
+        }
+    }
+}
+
+/// An error without a message: the status is all there is.
+pub(crate) fn refuse(error: ServiceError) -> Response<Body> {
+    status_of(error).into_http()
+}
+
+/// The status, with the error itself for the log.
+fn status_of(error: ServiceError) -> Status {
+    let mut status = error.wire().to_status();
+    status.set_source(Arc::new(error));
+    status
+}
+
+/// The generated services' implementation.
+#[derive(Debug)]
+pub(crate) struct Handler(Arc<Service>);
+
+fn call_of<T>(request: &tonic::Request<T>) -> Result<Call, Status> {
+    let call = request.extensions().get::<Call>().copied();
+    call.ok_or_else(|| Status::internal("the request has no deadline"))
+}
+
+fn respond<T>(answer: Result<Answer<T>, ServiceError>) -> Result<tonic::Response<T>, Status> {
+    match answer {
+        Ok(answer) => {
+            let mut response = tonic::Response::new(answer.message);
+            let timing = AsciiMetadataValue::try_from(server_timing(answer.timing));
+            if let Ok(timing) = timing {
+                response.metadata_mut().insert(SERVER_TIMING, timing);
+            }
+            Ok(response)
+        }
+        Err(error) => Err(status_of(error)),
+    }
+}
+
+/// The methods of one service: each hands its message on, with or without the call.
+macro_rules! methods {
+    ($service:path { $($name:ident($request:ident) -> $response:ident $($call:ident)?;)* }) => {
+        #[async_trait]
+        impl $service for Handler {
+            $(async fn $name(
+                &self,
+                request: tonic::Request<v1::$request>,
+            ) -> Result<tonic::Response<v1::$response>, Status> {
+                $(let $call = call_of(&request)?;)?
+                respond(self.0.$name($($call,)? request.into_inner()).await)
+            })*
+        }
+    };
+}
+
+methods!(v1::robot_service_server::RobotService {
+    register_robot(RegisterRobotRequest) -> RegisterRobotResponse call;
+    get_robot(GetRobotRequest) -> GetRobotResponse call;
+    list_robots(ListRobotsRequest) -> ListRobotsResponse;
+    list_revisions(ListRevisionsRequest) -> ListRevisionsResponse;
+    delete_robot(DeleteRobotRequest) -> DeleteRobotResponse;
+});
+
+methods!(v1::plan_service_server::PlanService {
+    plan_move(PlanMoveRequest) -> PlanMoveResponse call;
+    check_trajectory(CheckTrajectoryRequest) -> CheckTrajectoryResponse call;
+});
+
+methods!(v1::dynamics_service_server::DynamicsService {
+    inverse_dynamics(InverseDynamicsRequest) -> InverseDynamicsResponse call;
+    forward_kinematics(ForwardKinematicsRequest) -> ForwardKinematicsResponse call;
+});

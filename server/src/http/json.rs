@@ -1,0 +1,186 @@
+//! Messages as JSON bodies. Long ones are read and written on the planner's threads.
+
+use std::sync::Arc;
+
+use bytes::Bytes;
+use http::{HeaderMap, Request, Response, StatusCode, header};
+use http_body_util::{BodyExt, LengthLimitError, Limited};
+use hyper::body::Incoming;
+use prost::Message;
+use serde::{Serialize, de::DeserializeOwned};
+use takt_motion::Invalid;
+use takt_proto::{convert::quoted, error::ErrorCode, v1};
+use tonic::body::Body;
+
+use super::{add_timing, body_response};
+use crate::{
+    error::ServiceError,
+    service::{Answer, Call, Service},
+};
+
+/// Bodies up to this size are read where they arrive: it takes less than the hop to another thread and back.
+const SHORT_BODY_BYTES: usize = 16 << 10;
+
+/// Messages up to this encoded size are written where they are.
+const SHORT_MESSAGE_BYTES: usize = 8 << 10;
+
+/// Reads and writes bodies.
+#[derive(Debug)]
+pub(super) struct Json {
+    service: Arc<Service>,
+    max_bytes: usize,
+}
+
+/// A request that names its robot, in the URL and perhaps in the body.
+pub(super) trait ForRobot {
+    fn robot_id(&mut self) -> &mut String;
+}
+
+macro_rules! for_robot {
+    ($($request:ident)*) => {
+        $(impl ForRobot for v1::$request {
+            fn robot_id(&mut self) -> &mut String {
+                &mut self.robot_id
+            }
+        })*
+    };
+}
+
+for_robot!(RegisterRobotRequest PlanMoveRequest CheckTrajectoryRequest InverseDynamicsRequest ForwardKinematicsRequest);
+
+impl Json {
+    pub(super) fn new(service: Arc<Service>, max_bytes: usize) -> Self {
+        Self { service, max_bytes }
+    }
+
+    /// Reads the body of a request about the robot of the URL.
+    pub(super) async fn read_for<T>(
+        &self,
+        request: Request<Incoming>,
+        id: String,
+        call: Call,
+    ) -> Result<T, ServiceError>
+    where
+        T: DeserializeOwned + ForRobot + Send + 'static,
+    {
+        if let Some(query) = request.uri().query() {
+            let message = format!("is not known here: {}", quoted(query));
+            return Err(ServiceError::invalid(vec![Invalid::new("?", message)]));
+        }
+        check_kind(request.headers())?;
+        let body = self.body(request).await?;
+        let mut message: T = if body.len() <= SHORT_BODY_BYTES {
+            parse(&body)?
+        } else {
+            let job = move |_: &takt_motion::budget::Budget<'_>| parse(&body);
+            self.service.planner().run(call.deadline, job).await?.0
+        };
+        let named = message.robot_id();
+        if !named.is_empty() && *named != id {
+            let message = format!("{} is not the robot of the URL, {}", quoted(named), quoted(&id));
+            return Err(ServiceError::invalid(vec![Invalid::new("robot_id", message)]));
+        }
+        *named = id;
+        Ok(message)
+    }
+
+    async fn body(&self, request: Request<Incoming>) -> Result<Bytes, ServiceError> {
+        let too_large = || {
+            let message = format!(
+                "the body is larger than the {} bytes that `limits.max_request_bytes` allows",
+                self.max_bytes
+            );
+            ServiceError::new(ErrorCode::TooLarge, message)
+        };
+        let announced = hyper::body::Body::size_hint(request.body()).lower();
+        if announced > u64::try_from(self.max_bytes).unwrap_or(u64::MAX) {
+            return Err(too_large());
+        }
+        match Limited::new(request.into_body(), self.max_bytes).collect().await {
+            Ok(body) => Ok(body.to_bytes()),
+            Err(error) if error.is::<LengthLimitError>() => Err(too_large()),
+            Err(error) => {
+                let message = format!("the body ended early: {error}");
+                Err(ServiceError::new(ErrorCode::InvalidRequest, message))
+            }
+        }
+    }
+
+    /// Writes an answer.
+    pub(super) async fn write<T>(&self, answer: Answer<T>, call: Call) -> Result<Response<Body>, ServiceError>
+    where
+        T: Serialize + Message + 'static,
+    {
+        let Answer { message, timing } = answer;
+        let body = if message.encoded_len() <= SHORT_MESSAGE_BYTES {
+            print(&message)?
+        } else {
+            let job = move |_: &takt_motion::budget::Budget<'_>| print(&message);
+            self.service.planner().run(call.deadline, job).await?.0
+        };
+        let mut response = body_response(StatusCode::OK, "application/json", body);
+        add_timing(&mut response, timing);
+        Ok(response)
+    }
+
+    /// Writes an answer that is short or was read from the store.
+    pub(super) fn write_now<T: Serialize>(&self, answer: &Answer<T>) -> Result<Response<Body>, ServiceError> {
+        Ok(body_response(
+            StatusCode::OK,
+            "application/json",
+            print(&answer.message)?,
+        ))
+    }
+}
+
+fn check_kind(headers: &HeaderMap) -> Result<(), ServiceError> {
+    let Some(kind) = headers.get(header::CONTENT_TYPE) else {
+        return Ok(());
+    };
+    let text = kind.to_str().unwrap_or("");
+    let essence = text.split(';').next().unwrap_or("").trim();
+    if essence.eq_ignore_ascii_case("application/json") {
+        return Ok(());
+    }
+    let message = format!("{} is not application/json", quoted(text));
+    Err(ServiceError::invalid(vec![Invalid::new("content-type", message)]))
+}
+
+fn parse<T: DeserializeOwned>(body: &[u8]) -> Result<T, ServiceError> {
+    if body.is_empty() {
+        let message = "the body is empty, it must be a JSON object";
+        return Err(ServiceError::new(ErrorCode::InvalidRequest, message));
+    }
+    serde_json::from_slice(body).map_err(|error| {
+        let invalid = located::<T>(body, &error);
+        if invalid.path.is_empty() {
+            return ServiceError::new(ErrorCode::InvalidRequest, invalid.message);
+        }
+        ServiceError::invalid(vec![invalid])
+    })
+}
+
+/// Where the body cannot be read: read again, noting the way.
+fn located<T: DeserializeOwned>(body: &[u8], error: &serde_json::Error) -> Invalid {
+    let mut reader = serde_json::Deserializer::from_slice(body);
+    let path = match serde_path_to_error::deserialize::<_, T>(&mut reader) {
+        Ok(_) => String::new(),
+        Err(error) => error.path().to_string(),
+    };
+    let path = if path == "." { String::new() } else { path };
+    let mut message = error.to_string();
+    if message.len() > LONGEST_MESSAGE {
+        message.truncate(message.floor_char_boundary(LONGEST_MESSAGE));
+        message.push('…');
+        message = format!("{message} at line {} column {}", error.line(), error.column());
+    }
+    Invalid::new(path, message)
+}
+
+const LONGEST_MESSAGE: usize = 400;
+
+fn print<T: Serialize>(message: &T) -> Result<Bytes, ServiceError> {
+    let body = serde_json::to_vec(message);
+    let body = body.map_err(|error| ServiceError::internal("the answer cannot be written as JSON").caused_by(error))?;
+    Ok(body.into())
+}

@@ -1,0 +1,183 @@
+//! The threads that compute: a pool of its own behind a bounded queue. Nothing else in the service computes for long.
+//!
+//! A full queue refuses at once. A calculation whose caller went away, or whose deadline passed, is skipped while it
+//! waits and stopped while it runs. A panic is an internal error of that one request.
+
+use std::{
+    panic::{AssertUnwindSafe, catch_unwind},
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+use takt_motion::budget::Budget;
+use takt_proto::error::{Error, ErrorCode};
+use tokio::sync::{Semaphore, oneshot};
+
+use crate::{config::PlannerConfig, error::ServiceError};
+
+/// What a refused caller is told to wait.
+const RETRY_AFTER: Duration = Duration::from_millis(100);
+
+/// How long a calculation waited and ran.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Timing {
+    pub(crate) queue: Duration,
+    pub(crate) compute: Duration,
+}
+
+/// The pool.
+#[derive(Debug)]
+pub(crate) struct Pool {
+    threads: rayon::ThreadPool,
+    places: Arc<Semaphore>,
+    capacity: usize,
+}
+
+impl Pool {
+    pub(crate) fn new(config: &PlannerConfig) -> Result<Self, rayon::ThreadPoolBuildError> {
+        let capacity = config.queue_capacity();
+        let threads = rayon::ThreadPoolBuilder::new()
+            .num_threads(config.threads())
+            .thread_name(|index| format!("planner-{index}"))
+            .build()?;
+        Ok(Self {
+            threads,
+            places: Arc::new(Semaphore::new(capacity)),
+            capacity,
+        })
+    }
+
+    /// Runs a calculation. Dropping the returned future gives it up.
+    pub(crate) async fn run<T, J>(&self, deadline: Instant, job: J) -> Result<(T, Timing), ServiceError>
+    where
+        T: Send + 'static,
+        J: FnOnce(&Budget<'_>) -> Result<T, ServiceError> + Send + 'static,
+    {
+        let Ok(place) = Arc::clone(&self.places).try_acquire_owned() else {
+            let message = format!("{} calculations run or wait already", self.capacity);
+            return Err(Error::overloaded("planner.queue_capacity", message, RETRY_AFTER).into());
+        };
+        let (answer, result) = oneshot::channel();
+        let queued = Instant::now();
+        let span = tracing::Span::current();
+        self.threads.spawn(move || {
+            let started = Instant::now();
+            if answer.is_closed() || started >= deadline {
+                return;
+            }
+            let should_stop = || answer.is_closed() || Instant::now() >= deadline;
+            let result = span.in_scope(|| {
+                let budget = Budget::until(&should_stop);
+                catch_unwind(AssertUnwindSafe(|| job(&budget)))
+            });
+            let timing = Timing {
+                queue: started - queued,
+                compute: started.elapsed(),
+            };
+            drop(place);
+            // Nobody may be waiting any more.
+            let _ = answer.send((result, timing));
+        });
+        match result.await {
+            Ok((Ok(Ok(value)), timing)) => Ok((value, timing)),
+            Ok((Ok(Err(error)), _)) => Err(error),
+            Ok((Err(panic), _)) => Err(panicked(panic.as_ref())),
+            // Skipped: its deadline had passed.
+            Err(_) => Err(ServiceError::deadline()),
+        }
+    }
+}
+
+/// A calculation that was stopped: by its deadline, or because nobody waits for it.
+pub(crate) fn stopped(deadline: Instant) -> ServiceError {
+    if Instant::now() >= deadline {
+        return ServiceError::deadline();
+    }
+    ServiceError::new(ErrorCode::Cancelled, "the caller gave up")
+}
+
+pub(crate) fn panicked(panic: &(dyn std::any::Any + Send)) -> ServiceError {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
+    let cause = std::io::Error::other(format!("panic: {}", text.unwrap_or("without a message")));
+    ServiceError::internal("the calculation failed: this is a fault of the service").caused_by(cause)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc;
+
+    use super::*;
+
+    fn pool(threads: usize, capacity: usize) -> Arc<Pool> {
+        let config = PlannerConfig {
+            threads: Some(threads),
+            queue_capacity: Some(capacity),
+            cached_robots: None,
+        };
+        Arc::new(Pool::new(&config).unwrap())
+    }
+
+    fn later() -> Instant {
+        Instant::now() + Duration::from_secs(60)
+    }
+
+    #[tokio::test]
+    async fn a_panic_is_an_error_and_the_pool_goes_on() {
+        let pool = pool(1, 4);
+        let failed = pool.run::<(), _>(later(), |_| panic!("broken")).await;
+        assert_eq!(failed.unwrap_err().wire().code, ErrorCode::Internal);
+        assert_eq!(pool.run(later(), |_| Ok(7)).await.unwrap().0, 7);
+    }
+
+    #[tokio::test]
+    async fn a_full_queue_refuses_at_once() {
+        let pool = pool(1, 1);
+        let (release, wait) = mpsc::channel::<()>();
+        let busy = Arc::clone(&pool);
+        let (started, begun) = oneshot::channel();
+        let first = tokio::spawn(async move {
+            let job = move |_: &Budget<'_>| {
+                let _ = started.send(());
+                let _ = wait.recv();
+                Ok(())
+            };
+            busy.run(later(), job).await
+        });
+        begun.await.unwrap();
+        let refused = pool.run(later(), |_| Ok(())).await.unwrap_err();
+        assert_eq!(refused.wire().code, ErrorCode::Overloaded);
+        assert!(refused.wire().retry_after.is_some());
+        release.send(()).unwrap();
+        assert!(first.await.unwrap().is_ok());
+    }
+
+    #[tokio::test]
+    async fn a_caller_who_leaves_stops_the_calculation() {
+        let pool = pool(1, 4);
+        let (started, begun) = oneshot::channel();
+        let (ended, end) = oneshot::channel();
+        let busy = Arc::clone(&pool);
+        let task = tokio::spawn(async move {
+            let job = move |budget: &Budget<'_>| {
+                let _ = started.send(());
+                while budget.check().is_ok() {
+                    std::thread::yield_now();
+                }
+                let _ = ended.send(());
+                Ok(())
+            };
+            busy.run(later(), job).await
+        });
+        begun.await.unwrap();
+        task.abort();
+        end.await.unwrap();
+    }
+
+    #[tokio::test]
+    async fn work_whose_deadline_passed_is_skipped() {
+        let pool = pool(1, 4);
+        let result = pool.run(Instant::now(), |_| Ok(())).await;
+        assert_eq!(result.unwrap_err().wire().code, ErrorCode::DeadlineExceeded);
+    }
+}
