@@ -2,6 +2,8 @@
 
 mod findings;
 
+use std::collections::HashSet;
+
 use takt_motion::{
     nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3},
     robot::{
@@ -200,12 +202,13 @@ fn drive_entry(wire: &v1::Drive, at: Path<'_>, findings: &mut Findings) -> Drive
 }
 
 fn frames(wire: &[v1::Frame], at: Path<'_>, findings: &mut Findings) -> Vec<(String, Isometry3<f64>)> {
-    let mut frames: Vec<(String, Isometry3<f64>)> = Vec::with_capacity(wire.len());
+    let mut frames = Vec::with_capacity(wire.len());
+    let mut names = HashSet::new();
     for (index, frame) in wire.iter().enumerate() {
         let at = at.index(index);
         if frame.name.is_empty() {
             findings.push(at.field("name"), "must be given");
-        } else if frames.iter().any(|(name, _)| *name == frame.name) {
+        } else if !names.insert(frame.name.as_str()) {
             findings.push(at.field("name"), format!("{} is there twice", quoted(&frame.name)));
         }
         let pose = match &frame.pose {
