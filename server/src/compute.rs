@@ -1,6 +1,7 @@
 //! What runs on the planner's threads: from a request and a robot to the answer. Pure.
 
 mod dynamics;
+mod finite;
 
 use std::{sync::Arc, time::Instant};
 
@@ -173,6 +174,9 @@ pub(crate) fn plan_move(
     let (robot, request) = checked(findings, robot, request)?;
     let outcome = plan::plan_move(&robot.robot, &request, budget).map_err(|failure| failed(failure, deadline))?;
     check_setpoints(&outcome, limits)?;
+    if !finite::outcome(&outcome) {
+        return Err(not_finite());
+    }
     Span::current().record("outcome", outcome_name(&outcome));
     Ok(v1::PlanMoveResponse {
         outcome: Some(convert::plan::outcome_to_wire(outcome, robot.robot.spec())),
@@ -209,6 +213,11 @@ fn check_setpoints(outcome: &MoveOutcome, limits: &Limits) -> Result<(), Service
         Some(invalid) => Err(ServiceError::invalid(vec![invalid])),
         None => Ok(()),
     }
+}
+
+/// What the bounds of requests and models should have kept out.
+fn not_finite() -> ServiceError {
+    ServiceError::internal("the answer has a number that is not finite: this is a fault of the service")
 }
 
 fn failed(failure: plan::Failure, deadline: Instant) -> ServiceError {
@@ -251,6 +260,9 @@ pub(crate) fn check_trajectory(
     }
     let (robot, request) = checked(findings, robot, request)?;
     let report = plan::check_trajectory(&robot.robot, &request, budget).map_err(|failure| failed(failure, deadline))?;
+    if !finite::report(&report) {
+        return Err(not_finite());
+    }
     Ok(v1::CheckTrajectoryResponse {
         provenance: Some(provenance(&robot.revision, hash)),
         ..convert::plan::report_to_wire(report, robot.robot.spec())

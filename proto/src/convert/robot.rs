@@ -19,6 +19,11 @@ use crate::v1;
 /// How far the norm of a quaternion may be from 1: four written digits are enough. It is normalized.
 const QUATERNION_NORM_TOLERANCE: f64 = 1e-3;
 
+/// Bounds of a payload and of distances: the same that a description has. Beyond, a unit is mistaken.
+const MASS_MAX: f64 = 1e6;
+const LENGTH_MAX: f64 = 1e5;
+const INERTIA_MAX: f64 = 1e9;
+
 const CONVENTIONS: &str = "STANDARD, MODIFIED";
 const DH_JOINT_TYPES: &str = "REVOLUTE, PRISMATIC";
 const SIDES: &str = "MOTOR, JOINT";
@@ -223,24 +228,29 @@ fn frames(wire: &[v1::Frame], at: Path<'_>, findings: &mut Findings) -> Vec<(Str
     frames
 }
 
-/// Reads a payload.
+/// Reads a payload, in the bounds of a description's.
 pub fn payload(wire: &v1::Payload, at: Path<'_>, findings: &mut Findings) -> Inertial {
+    let mass_at = at.field("mass_kg");
     let mass = match wire.mass_kg {
-        Some(mass) if mass < 0.0 => {
-            findings.push(at.field("mass_kg"), format!("{mass} kg must not be negative"));
-            0.0
-        }
-        Some(mass) => findings.finite(at.field("mass_kg"), mass),
+        Some(mass) => findings.within(mass_at, mass, 0.0..=MASS_MAX, " kg"),
         None => {
-            findings.push(at.field("mass_kg"), "must be given");
+            findings.push(mass_at, "must be given");
             0.0
         }
     };
-    let center = findings.vector(at.field("center_of_mass_m"), &wire.center_of_mass_m);
+    let center_at = at.field("center_of_mass_m");
+    let center = findings.vector(center_at, &wire.center_of_mass_m);
+    findings.at_most(center_at, &wire.center_of_mass_m, LENGTH_MAX);
+    let inertia_at = at.field("inertia_kg_m2");
+    findings.at_most(inertia_at, &wire.inertia_kg_m2, INERTIA_MAX);
+    let inertia = inertia(&wire.inertia_kg_m2, inertia_at, findings);
+    if wire.mass_kg == Some(0.0) && inertia != Matrix3::zeros() {
+        findings.push(inertia_at, "must be zero where mass_kg is 0");
+    }
     Inertial {
         mass,
         center_of_mass: center.unwrap_or_else(Vector3::zeros),
-        inertia: inertia(&wire.inertia_kg_m2, at.field("inertia_kg_m2"), findings),
+        inertia,
     }
 }
 
@@ -254,6 +264,7 @@ pub fn tool(wire: &v1::Tool, at: Path<'_>, findings: &mut Findings) -> Isometry3
 
 fn pose(wire: &v1::Pose, at: Path<'_>, findings: &mut Findings) -> Isometry3<f64> {
     let position = findings.vector(at.field("position_m"), &wire.position_m);
+    findings.at_most(at.field("position_m"), &wire.position_m, LENGTH_MAX);
     let at = at.field("orientation");
     let rotation = match findings.array(at, &wire.orientation) {
         None => UnitQuaternion::identity(),
