@@ -190,6 +190,16 @@ async fn the_bytes_of_all_requests_together_are_limited() {
 }
 
 #[tokio::test]
+async fn a_trajectory_that_swings_too_far_is_refused() {
+    let server = Running::start().await;
+    let body = r#"{"trajectory": {"points": [
+        {"time_s": 0, "position": [0, 0, 0, 0, 0, 0], "velocity": [0, 0, 0, 0, 0, 0]},
+        {"time_s": 0.5, "position": [0, 0, 0, 0, 0, 0], "velocity": [1e9, 0, 0, 0, 0, 0]}]}}"#;
+    let reply = server.post("/v1/robots/ur5e:checkTrajectory", body).await;
+    assert_eq!(reply.fields(), ["trajectory.points[1]"]);
+}
+
+#[tokio::test]
 async fn a_burst_from_idle_is_served() {
     let server = Running::start().await;
     let channel = server.channel().await;
