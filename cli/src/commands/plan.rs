@@ -264,7 +264,7 @@ fn show(
                 .map(|(name, value, _)| format!("{name}: {value}"))
                 .collect(),
         };
-        files::write(file, &svg::render(&curves, &heading))?;
+        files::write(file, &svg::render(&curves, Some(&heading)))?;
         io.remark(&format!("wrote {file}"))?;
     }
     if let Some(file) = &output.html {

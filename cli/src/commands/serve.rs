@@ -148,7 +148,7 @@ pub(crate) async fn run(args: ServeArgs, io: &mut Io) -> Result<u8, Failure> {
     init_telemetry(format, &args.process.log).map_err(|error| Failure::usage(format!("--log: {error}")))?;
     // Asked for before the port is open, so that a signal just after the start is not missed.
     let mut signals = Signals::new().map_err(|error| Failure::service(format!("cannot wait for signals: {error}")))?;
-    let server = Server::bind(args.config()).await.map_err(failure)?;
+    let server = Server::bind(args.config()).await.map_err(|error| failure(&error))?;
     io.print(&format!("listening on http://{}\n", server.local_addr()))?;
 
     let (stop, stopped) = tokio::sync::oneshot::channel::<()>();
@@ -167,7 +167,7 @@ pub(crate) async fn run(args: ServeArgs, io: &mut Io) -> Result<u8, Failure> {
     }
 }
 
-fn failure(error: BindError) -> Failure {
+fn failure(error: &BindError) -> Failure {
     let text = error.to_string();
     match error {
         BindError::Config(_) => Failure::usage(text),
