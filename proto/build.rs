@@ -20,6 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     fs::write(out.join("descriptor.bin"), &descriptor)?;
     tonic_prost_build::configure()
         .build_transport(false)
+        .codec_path("crate::codec::Codec")
         .compile_fds(compiler.file_descriptor_set())?;
     write_json_form(&descriptor, &out)
 }
@@ -42,9 +43,7 @@ const SPARSE: [&str; 10] = [
 fn write_json_form(descriptor: &[u8], out: &Path) -> Result<(), Box<dyn Error>> {
     let builder = || -> Result<pbjson_build::Builder, Box<dyn Error>> {
         let mut builder = pbjson_build::Builder::new();
-        builder
-            .preserve_proto_field_names()
-            .register_descriptors(descriptor)?;
+        builder.preserve_proto_field_names().register_descriptors(descriptor)?;
         Ok(builder)
     };
     let sparse = out.join("sparse");

@@ -46,10 +46,9 @@ pub(crate) trait Real:
         // The quadrant, −2 to 2: −2 and 2 are the same one.
         let quadrant = n - (n * 0.25 + ROUND + -ROUND) * 4.0;
         let square = quadrant * quadrant;
-        let odd = |yes: Self, no: Self| square.select_below(0.5, no, square.select_below(1.5, yes, no));
         let zero = self.splat(0.0);
-        let sin_magnitude = odd(cosine, sine);
-        let cos_magnitude = odd(sine, cosine);
+        let sin_magnitude = square.select_below(0.5, sine, square.select_below(1.5, cosine, sine));
+        let cos_magnitude = square.select_below(0.5, cosine, square.select_below(1.5, sine, cosine));
         // sine is negative in quadrants −1 and ±2, cosine in 1 and ±2
         let sin = square.select_below(
             3.0,

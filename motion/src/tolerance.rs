@@ -24,7 +24,7 @@ pub(crate) const INTERVALS_MIN: usize = 8;
 /// Rounds of successive parabolic interpolation on an extreme; it triples the correct digits each round.
 pub(crate) const REFINE_ROUNDS: usize = 6;
 
-/// An extreme is found once a round moves it by less than this part of the limit.
+/// An extreme is found once the parabola promises to raise it by less than this part of the limit.
 pub(crate) const REFINE_GAIN: f64 = 1.0e-9;
 
 /// Rounds of planning, verifying and adding what verification found. Two do nearly always.

@@ -15,9 +15,9 @@ pub enum Path<'a> {
     /// The message itself.
     Root,
     /// A field of a message.
-    Field(&'a Path<'a>, &'static str),
+    Field(&'a Self, &'static str),
     /// An entry of a list.
-    Index(&'a Path<'a>, usize),
+    Index(&'a Self, usize),
 }
 
 impl<'a> Path<'a> {
@@ -67,6 +67,15 @@ impl Findings {
             self.found.push(invalid);
         } else {
             self.dropped += 1;
+        }
+    }
+
+    /// Adds what a second look found, but for places where something is known to be wrong already.
+    pub fn extend(&mut self, second: Vec<Invalid>) {
+        for invalid in second {
+            if !self.found.iter().any(|known| known.path == invalid.path) {
+                self.push_invalid(invalid);
+            }
         }
     }
 
@@ -148,12 +157,7 @@ impl Findings {
     }
 
     /// A number of an enum: known and specified. The names go into the message.
-    pub fn enumerated<E: TryFrom<i32>>(
-        &mut self,
-        path: Path<'_>,
-        value: i32,
-        names: &'static str,
-    ) -> Option<E> {
+    pub fn enumerated<E: TryFrom<i32>>(&mut self, path: Path<'_>, value: i32, names: &'static str) -> Option<E> {
         if value == 0 {
             self.push(path, format!("must be one of {names}"));
             return None;

@@ -69,18 +69,66 @@ pub struct Row {
 
 /// The table of codes.
 pub const TABLE: &[Row] = &[
-    row(ErrorCode::InvalidRequest, Code::InvalidArgument, "INVALID_ARGUMENT", 400, Retry::No),
-    row(ErrorCode::Unauthenticated, Code::Unauthenticated, "UNAUTHENTICATED", 401, Retry::No),
-    row(ErrorCode::Forbidden, Code::PermissionDenied, "PERMISSION_DENIED", 403, Retry::No),
+    row(
+        ErrorCode::InvalidRequest,
+        Code::InvalidArgument,
+        "INVALID_ARGUMENT",
+        400,
+        Retry::No,
+    ),
+    row(
+        ErrorCode::Unauthenticated,
+        Code::Unauthenticated,
+        "UNAUTHENTICATED",
+        401,
+        Retry::No,
+    ),
+    row(
+        ErrorCode::Forbidden,
+        Code::PermissionDenied,
+        "PERMISSION_DENIED",
+        403,
+        Retry::No,
+    ),
     row(ErrorCode::NotFound, Code::NotFound, "NOT_FOUND", 404, Retry::No),
-    row(ErrorCode::MethodNotAllowed, Code::Unimplemented, "UNIMPLEMENTED", 405, Retry::No),
-    row(ErrorCode::Unimplemented, Code::Unimplemented, "UNIMPLEMENTED", 501, Retry::No),
+    row(
+        ErrorCode::MethodNotAllowed,
+        Code::Unimplemented,
+        "UNIMPLEMENTED",
+        405,
+        Retry::No,
+    ),
+    row(
+        ErrorCode::Unimplemented,
+        Code::Unimplemented,
+        "UNIMPLEMENTED",
+        501,
+        Retry::No,
+    ),
     row(ErrorCode::Conflict, Code::Aborted, "ABORTED", 409, Retry::AfterReading),
     row(ErrorCode::TooLarge, Code::OutOfRange, "OUT_OF_RANGE", 413, Retry::No),
-    row(ErrorCode::Overloaded, Code::ResourceExhausted, "RESOURCE_EXHAUSTED", 429, Retry::AfterDelay),
-    row(ErrorCode::DeadlineExceeded, Code::DeadlineExceeded, "DEADLINE_EXCEEDED", 504, Retry::WithMoreTime),
+    row(
+        ErrorCode::Overloaded,
+        Code::ResourceExhausted,
+        "RESOURCE_EXHAUSTED",
+        429,
+        Retry::AfterDelay,
+    ),
+    row(
+        ErrorCode::DeadlineExceeded,
+        Code::DeadlineExceeded,
+        "DEADLINE_EXCEEDED",
+        504,
+        Retry::WithMoreTime,
+    ),
     row(ErrorCode::Cancelled, Code::Cancelled, "CANCELLED", 499, Retry::No),
-    row(ErrorCode::Unavailable, Code::Unavailable, "UNAVAILABLE", 503, Retry::AfterDelay),
+    row(
+        ErrorCode::Unavailable,
+        Code::Unavailable,
+        "UNAVAILABLE",
+        503,
+        Retry::AfterDelay,
+    ),
     row(ErrorCode::Internal, Code::Internal, "INTERNAL", 500, Retry::No),
 ];
 
@@ -368,6 +416,33 @@ mod tests {
             assert_eq!(Error::from_json(body.as_bytes()), Some(error));
         }
     }
+
+    /// `docs/errors.md` shows the table; `TAKT_UPDATE=1` writes it again.
+    #[test]
+    fn the_documented_table_is_this_one() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/errors.md");
+        let mut text = String::from(HEAD);
+        for row in TABLE {
+            let retry = match row.retry {
+                Retry::No => "no",
+                Retry::AfterReading => "after reading the current revision again",
+                Retry::AfterDelay => "after the delay that it states",
+                Retry::WithMoreTime => "with more time",
+            };
+            text.push_str(&format!("| {:?} | {} | {} | {retry} |\n", row.code, row.name, row.http));
+        }
+        if std::env::var_os("TAKT_UPDATE").is_some() {
+            std::fs::write(path, &text).unwrap();
+        }
+        assert_eq!(std::fs::read_to_string(path).unwrap(), text);
+    }
+
+    const HEAD: &str = "# Errors\n\n\
+        A refusal is a `google.rpc.Status` on either protocol: in the trailers over gRPC, as `{\"error\": {code, status,\n\
+        message, details}}` over HTTP. `details` holds `google.rpc.BadRequest` (every violation, with the path of its\n\
+        field), `RetryInfo` and `ErrorInfo` (domain `takt`). A motion that cannot be is no error: it is the outcome\n\
+        `infeasible`, with its evidence.\n\n\
+        | code | gRPC | HTTP | try again |\n|---|---|---|---|\n";
 
     #[test]
     fn json_has_the_form_of_a_status() {

@@ -29,10 +29,7 @@ impl RobotId {
         let continues = |byte: u8| starts(byte) || matches!(byte, b'.' | b'_' | b'-');
         let bytes = id.as_bytes();
         if bytes.len() > LONGEST_ID || !starts(bytes[0]) || !bytes.iter().all(|&byte| continues(byte)) {
-            return Err(format!(
-                "{} does not match [a-z0-9][a-z0-9._-]{{0,62}}",
-                quoted(id)
-            ));
+            return Err(format!("{} does not match [a-z0-9][a-z0-9._-]{{0,62}}", quoted(id)));
         }
         Ok(Self(id.to_owned()))
     }
@@ -99,7 +96,7 @@ mod tests {
         };
         let hash = content_hash(NAME, &robot);
         assert_eq!(hash.len(), HASH_DIGITS);
-        assert_eq!(hash, content_hash(NAME, &robot.clone()));
+        assert_eq!(hash, content_hash(NAME, &robot));
         assert_ne!(hash, content_hash(NAME, &v1::RobotDescription::default()));
         let json = r#"{"urdf": "<robot/>", "joints": []}"#;
         let from_json: v1::RobotDescription = serde_json::from_str(json).unwrap();

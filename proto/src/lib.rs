@@ -2,6 +2,7 @@
 
 #![warn(missing_docs)]
 
+pub mod codec;
 pub mod convert;
 pub mod error;
 pub mod id;

@@ -117,19 +117,20 @@ pub(crate) fn decode<M: Message + Default>(bytes: &[u8]) -> Result<M, ServiceErr
 
 fn compile(wire: &v1::RobotDescription, mut findings: Findings) -> Result<Robot, Vec<Invalid>> {
     let at = Path::Root.field("description");
-    let description = convert::robot::description(wire, at, &mut findings);
     let below = |invalid: Invalid| invalid.below("description");
-    let Some(description) = description else {
+    let Some(description) = convert::robot::description(wire, at, &mut findings) else {
         return Err(findings.into_list());
     };
-    if !findings.is_empty() {
-        return Err(findings.into_list());
-    }
-    let resolved = description.resolve().map_err(|list| {
-        let list = list.into_iter();
-        let list = list.map(|invalid| below(convert::robot::finding_on_description(invalid, wire)));
-        list.collect::<Vec<_>>()
-    })?;
+    // Also where something is wrong already: the caller sees everything at once.
+    let resolved = match description.resolve() {
+        Ok(resolved) => findings.finish(resolved)?,
+        Err(list) => {
+            let list = list.into_iter();
+            let list = list.map(|invalid| below(convert::robot::finding_on_description(invalid, wire)));
+            findings.extend(list.collect());
+            return Err(findings.into_list());
+        }
+    };
     let spec = resolved.spec.clone();
     Robot::new(resolved.spec, resolved.warnings).map_err(|list| {
         let list = list.into_iter();
@@ -165,6 +166,9 @@ pub(crate) fn plan_move(
     }
     let spec = robot.as_ref().map(|robot| robot.robot.spec());
     let request = convert::plan::move_request(request, spec, &mut findings);
+    if let Some(robot) = robot.as_deref().filter(|_| !findings.is_empty()) {
+        add_domain_findings(&mut findings, plan::plan_move(&robot.robot, &request, &no_time()).err());
+    }
     let (robot, request) = checked(findings, robot, request)?;
     let outcome = plan::plan_move(&robot.robot, &request, budget).map_err(|failure| failed(failure, deadline))?;
     check_setpoints(&outcome, limits)?;
@@ -173,6 +177,18 @@ pub(crate) fn plan_move(
         outcome: Some(convert::plan::outcome_to_wire(outcome, robot.robot.spec())),
         provenance: Some(provenance(&robot.revision, hash)),
     })
+}
+
+/// A budget that has ended: enough for a request to be looked at, and for nothing to be computed.
+fn no_time() -> Budget<'static> {
+    Budget::until(&|| true)
+}
+
+/// Where the request is wrong already, what else the planner finds wrong with it: the caller sees everything at once.
+fn add_domain_findings(findings: &mut Findings, failure: Option<plan::Failure>) {
+    if let Some(plan::Failure::Invalid(list)) = failure {
+        findings.extend(list);
+    }
 }
 
 fn outcome_name(outcome: &MoveOutcome) -> &'static str {
@@ -211,7 +227,10 @@ pub(crate) fn check_trajectory(
 ) -> Result<v1::CheckTrajectoryResponse, ServiceError> {
     let mut findings = Findings::default();
     let robot = subject.look(&mut findings);
-    let count = request.trajectory.as_ref().map_or(0, |trajectory| trajectory.points.len());
+    let count = request
+        .trajectory
+        .as_ref()
+        .map_or(0, |trajectory| trajectory.points.len());
     const POINTS: &str = "trajectory.points";
     if let Some(invalid) = at_most(POINTS, count, limits.max_trajectory_points, "max_trajectory_points") {
         return Err(ServiceError::invalid(vec![invalid]));
@@ -223,9 +242,14 @@ pub(crate) fn check_trajectory(
     }
     let spec = robot.as_ref().map(|robot| robot.robot.spec());
     let request = convert::plan::check_request(request, spec, &mut findings);
+    if let Some(robot) = robot.as_deref().filter(|_| !findings.is_empty()) {
+        add_domain_findings(
+            &mut findings,
+            plan::check_trajectory(&robot.robot, &request, &no_time()).err(),
+        );
+    }
     let (robot, request) = checked(findings, robot, request)?;
-    let report =
-        plan::check_trajectory(&robot.robot, &request, budget).map_err(|failure| failed(failure, deadline))?;
+    let report = plan::check_trajectory(&robot.robot, &request, budget).map_err(|failure| failed(failure, deadline))?;
     Ok(v1::CheckTrajectoryResponse {
         provenance: Some(provenance(&robot.revision, hash)),
         ..convert::plan::report_to_wire(report, robot.robot.spec())
@@ -257,8 +281,7 @@ pub(crate) fn inverse_dynamics(
     convert::dynamics::joint_states(&request.states, joint_count, &mut findings);
     let wanted = convert::dynamics::wanted(&request.r#return, &mut findings);
     let payload = request.payload.as_ref();
-    let payload =
-        payload.map(|payload| convert::robot::payload(payload, Path::Root.field("payload"), &mut findings));
+    let payload = payload.map(|payload| convert::robot::payload(payload, Path::Root.field("payload"), &mut findings));
     let (compiled, ()) = checked(findings, robot, ())?;
     let loaded = payload.map(|payload| compiled.robot.with_payload(&payload));
     let mut states = States::new(loaded.as_ref().unwrap_or(&compiled.robot), wanted);
@@ -268,7 +291,12 @@ pub(crate) fn inverse_dynamics(
             budget.check().map_err(|_| stopped(deadline))?;
         }
         let result = states.result(state);
-        if !result.torque.iter().chain(&result.mass_matrix).all(|value| value.is_finite()) {
+        if !result
+            .torque
+            .iter()
+            .chain(&result.mass_matrix)
+            .all(|value| value.is_finite())
+        {
             let invalid = Invalid::new(format!("states[{index}]"), "is too large to compute with");
             return Err(ServiceError::invalid(vec![invalid]));
         }
@@ -302,8 +330,16 @@ impl<'a> States<'a> {
         let count = self.zeros.len();
         let (robot, workspace) = (self.robot, &mut self.workspace);
         let q = &state.position;
-        let qd = if state.velocity.is_empty() { &self.zeros } else { &state.velocity };
-        let qdd = if state.acceleration.is_empty() { &self.zeros } else { &state.acceleration };
+        let qd = if state.velocity.is_empty() {
+            &self.zeros
+        } else {
+            &state.velocity
+        };
+        let qdd = if state.acceleration.is_empty() {
+            &self.zeros
+        } else {
+            &state.acceleration
+        };
         let mut rigid_torque = vec![0.0; count];
         let mut gravity_torque = vec![0.0; count];
         let mut rotor_torque = vec![0.0; count];
@@ -313,7 +349,9 @@ impl<'a> States<'a> {
         dynamics::rotor_torque(robot, qdd, &mut rotor_torque);
         dynamics::friction_torque(robot, qd, &mut friction_torque);
         let parts = rigid_torque.iter().zip(&rotor_torque).zip(&friction_torque);
-        let torque = parts.map(|((rigid, rotor), friction)| rigid + rotor + friction).collect();
+        let torque = parts
+            .map(|((rigid, rotor), friction)| rigid + rotor + friction)
+            .collect();
         let (mass_matrix, rigid_mass_matrix) = self.mass_matrices(q);
         let mut jacobian = Vec::new();
         if self.wanted.jacobian {

@@ -171,7 +171,10 @@ impl Config {
             ("planner.queue_capacity", self.planner.queue_capacity()),
             ("planner.cached_robots", self.planner.cached_robots()),
             ("connections.max_connections", self.connections.max_connections),
-            ("connections.max_send_buffer_bytes", self.connections.max_send_buffer_bytes),
+            (
+                "connections.max_send_buffer_bytes",
+                self.connections.max_send_buffer_bytes,
+            ),
         ];
         /// Far above anything sensible, far below what overflows.
         const LARGEST_COUNT: usize = 1 << 30;
@@ -203,7 +206,11 @@ impl Config {
         /// A day.
         const LONGEST_S: f64 = 86_400.0;
         for (key, seconds) in positive.into_iter().chain(from_zero) {
-            let least = if from_zero.iter().any(|(other, _)| *other == key) { 0.0 } else { 0.001 };
+            let least = if from_zero.iter().any(|(other, _)| *other == key) {
+                0.0
+            } else {
+                0.001
+            };
             if !(least..=LONGEST_S).contains(&seconds) {
                 let message = format!("{seconds} s must be at least {least} s and at most {LONGEST_S} s");
                 return Err(ConfigError { key, message });

@@ -3,6 +3,7 @@
 
 use std::{
     collections::hash_map::RandomState,
+    error::Error as _,
     hash::BuildHasher,
     panic::AssertUnwindSafe,
     sync::{
@@ -15,7 +16,7 @@ use std::{
 use futures::FutureExt;
 use http::{HeaderMap, HeaderName, HeaderValue, Request, Response, header};
 use hyper::body::Incoming;
-use takt_proto::error::Error;
+use takt_proto::error::{Error, ErrorCode};
 use tokio::sync::Semaphore;
 use tonic::body::Body;
 use tracing::{Instrument, Span, field::Empty};
@@ -75,12 +76,11 @@ impl Edge {
         let span = span(&request, is_grpc, &id);
         let handling = AssertUnwindSafe(self.admit(request, is_grpc, started)).catch_unwind();
         let answered = async {
-            let mut response = handling.await.unwrap_or_else(|panic| {
-                refuse(&panicked(panic.as_ref()), is_grpc)
-            });
+            let mut response = handling
+                .await
+                .unwrap_or_else(|panic| refuse(panicked(panic.as_ref()), is_grpc));
+            log(&response, &id, started.elapsed());
             response.headers_mut().insert(REQUEST_ID, id);
-            let elapsed_us = u64::try_from(started.elapsed().as_micros()).unwrap_or(u64::MAX);
-            tracing::info!(status = response.status().as_u16(), elapsed_us, "request");
             response
         };
         if span.is_disabled() {
@@ -92,26 +92,34 @@ impl Edge {
 
     async fn admit(&self, mut request: Request<Incoming>, is_grpc: bool, now: Instant) -> Response<Body> {
         if is_probe(request.uri().path()) {
-            return self.dispatch(request, Call { deadline: now + Duration::from_secs(5) }, is_grpc).await;
+            return self
+                .dispatch(
+                    request,
+                    Call {
+                        deadline: now + Duration::from_secs(5),
+                    },
+                    is_grpc,
+                )
+                .await;
         }
         let deadline = match limits::deadline(request.headers(), is_grpc, &self.limits, now) {
             Ok(deadline) => deadline,
-            Err(error) => return refuse(&error, is_grpc),
+            Err(error) => return refuse(error, is_grpc),
         };
         let Ok(_place) = self.in_work.try_acquire() else {
             let message = format!("{} requests are in work already", self.limits.max_concurrent_requests);
             let error = Error::overloaded("limits.max_concurrent_requests", message, RETRY_AFTER);
-            return refuse(&error.into(), is_grpc);
+            return refuse(error.into(), is_grpc);
         };
         if deadline <= Instant::now() {
-            return refuse(&ServiceError::deadline(), is_grpc);
+            return refuse(ServiceError::deadline(), is_grpc);
         }
         let call = Call { deadline };
         request.extensions_mut().insert(call);
         let dispatched = self.dispatch(request, call, is_grpc);
         match tokio::time::timeout_at(deadline.into(), dispatched).await {
             Ok(response) => response,
-            Err(_) => refuse(&ServiceError::deadline(), is_grpc),
+            Err(_) => refuse(ServiceError::deadline(), is_grpc),
         }
     }
 
@@ -134,17 +142,45 @@ fn is_probe(path: &str) -> bool {
     matches!(path, "/healthz" | "/readyz") || path.starts_with("/grpc.health.v1.Health/")
 }
 
-fn refuse(error: &ServiceError, is_grpc: bool) -> Response<Body> {
-    error.report();
+fn refuse(error: ServiceError, is_grpc: bool) -> Response<Body> {
     if is_grpc {
-        grpc::refuse(error.wire())
+        grpc::refuse(error)
     } else {
-        http_edge::refuse(error.wire())
+        http_edge::refuse(error)
+    }
+}
+
+/// The error behind an answer, on either protocol.
+fn error_of(response: &Response<Body>) -> Option<&ServiceError> {
+    let extensions = response.extensions();
+    let in_status = || extensions.get::<tonic::Status>()?.source()?.downcast_ref();
+    extensions.get().or_else(in_status)
+}
+
+/// One line a request: what failed in the service at `warn`, everything else at `debug`.
+fn log(response: &Response<Body>, request_id: &HeaderValue, elapsed: Duration) {
+    let elapsed_us = u64::try_from(elapsed.as_micros()).unwrap_or(u64::MAX);
+    let id = request_id.to_str().unwrap_or("");
+    let Some(error) = error_of(response) else {
+        tracing::debug!(id, elapsed_us, "request");
+        return;
+    };
+    let row = error.wire().code.row();
+    Span::current().record("outcome", row.name);
+    let message = error.wire().message.as_str();
+    match (error.cause(), row.code) {
+        (Some(cause), _) => {
+            tracing::warn!(id, elapsed_us, code = row.name, refusal = message, cause = %cause, "request failed");
+        }
+        (None, ErrorCode::Internal | ErrorCode::Unavailable) => {
+            tracing::warn!(id, elapsed_us, code = row.name, refusal = message, "request failed");
+        }
+        _ => tracing::debug!(id, elapsed_us, code = row.name, refusal = message, "request refused"),
     }
 }
 
 fn span(request: &Request<Incoming>, is_grpc: bool, id: &HeaderValue) -> Span {
-    tracing::info_span!(
+    tracing::debug_span!(
         "request",
         id = id.to_str().unwrap_or(""),
         protocol = if is_grpc { "grpc" } else { "http" },

@@ -1,6 +1,6 @@
 //! Why the service could not: a sentence for the caller, and the cause for the log.
 
-use std::error::Error as StdError;
+use std::{error::Error as StdError, fmt};
 
 use takt_motion::Invalid;
 use takt_proto::error::{Error, ErrorCode};
@@ -33,7 +33,10 @@ impl ServiceError {
     }
 
     pub(crate) fn deadline() -> Self {
-        Self::new(ErrorCode::DeadlineExceeded, "the deadline passed before the answer was ready")
+        Self::new(
+            ErrorCode::DeadlineExceeded,
+            "the deadline passed before the answer was ready",
+        )
     }
 
     /// The same with its cause, for the log.
@@ -47,14 +50,20 @@ impl ServiceError {
         &self.0.wire
     }
 
-    /// Writes the cause to the log. Called once, where the error becomes an answer.
-    pub(crate) fn report(&self) {
-        tracing::Span::current().record("outcome", self.wire().code.row().name);
-        if let Some(source) = &self.0.source {
-            tracing::error!(error = %source, message = %self.wire().message, "request failed");
-        }
+    /// The cause, for the log.
+    pub(crate) fn cause(&self) -> Option<&(dyn StdError + 'static)> {
+        let source = self.0.source.as_deref()?;
+        Some(source)
     }
 }
+
+impl fmt::Display for ServiceError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.wire().fmt(f)
+    }
+}
+
+impl StdError for ServiceError {}
 
 impl From<Error> for ServiceError {
     fn from(wire: Error) -> Self {

@@ -7,7 +7,7 @@ use http::{Request, Response};
 use hyper::body::Incoming;
 use takt_proto::{
     DESCRIPTOR,
-    error::{Error, ErrorCode},
+    error::ErrorCode,
     v1::{
         self, dynamics_service_server::DynamicsServiceServer, plan_service_server::PlanServiceServer,
         robot_service_server::RobotServiceServer,
@@ -86,7 +86,7 @@ impl Grpc {
             _ => {
                 let path = takt_proto::convert::quoted(request.uri().path());
                 let message = format!("there is no method {path}");
-                return refuse(&Error::new(ErrorCode::Unimplemented, message));
+                return refuse(ServiceError::new(ErrorCode::Unimplemented, message));
             }
         };
         match answer {
@@ -97,8 +97,15 @@ impl Grpc {
 }
 
 /// An error without a message: the status is all there is.
-pub(crate) fn refuse(error: &Error) -> Response<Body> {
-    error.to_status().into_http()
+pub(crate) fn refuse(error: ServiceError) -> Response<Body> {
+    status_of(error).into_http()
+}
+
+/// The status, with the error itself for the log.
+fn status_of(error: ServiceError) -> Status {
+    let mut status = error.wire().to_status();
+    status.set_source(Arc::new(error));
+    status
 }
 
 /// The generated services' implementation.
@@ -120,10 +127,7 @@ fn respond<T>(answer: Result<Answer<T>, ServiceError>) -> Result<tonic::Response
             }
             Ok(response)
         }
-        Err(error) => {
-            error.report();
-            Err(error.wire().to_status())
-        }
+        Err(error) => Err(status_of(error)),
     }
 }
 

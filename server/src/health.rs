@@ -38,7 +38,11 @@ impl Health {
     /// Says whether new requests are welcome.
     pub(crate) async fn set(&self, ready: bool) {
         self.ready.store(ready, Ordering::Relaxed);
-        let status = if ready { ServingStatus::Serving } else { ServingStatus::NotServing };
+        let status = if ready {
+            ServingStatus::Serving
+        } else {
+            ServingStatus::NotServing
+        };
         for service in SERVICES.into_iter().chain([""]) {
             self.reporter.set_service_status(service, status).await;
         }

@@ -14,7 +14,7 @@ use hyper::body::Incoming;
 use takt_motion::Invalid;
 use takt_proto::{
     convert::quoted,
-    error::{Error, ErrorCode},
+    error::ErrorCode,
     route::{self, Match, Rpc},
     v1,
 };
@@ -53,10 +53,7 @@ impl Http {
         if let Some(page) = pages::find(&request, &self.health) {
             return page;
         }
-        self.route(request, call).await.unwrap_or_else(|error| {
-            error.report();
-            refuse(error.wire())
-        })
+        self.route(request, call).await.unwrap_or_else(refuse)
     }
 
     async fn route(&self, request: Request<Incoming>, call: Call) -> Answered {
@@ -81,19 +78,27 @@ impl Http {
             Rpc::ListRevisions => self.list_revisions(&request, id).await,
             Rpc::PlanMove => {
                 let message: v1::PlanMoveRequest = self.json.read_for(request, id, call).await?;
-                self.json.write(self.service.plan_move(call, message).await?, call).await
+                self.json
+                    .write(self.service.plan_move(call, message).await?, call)
+                    .await
             }
             Rpc::CheckTrajectory => {
                 let message: v1::CheckTrajectoryRequest = self.json.read_for(request, id, call).await?;
-                self.json.write(self.service.check_trajectory(call, message).await?, call).await
+                self.json
+                    .write(self.service.check_trajectory(call, message).await?, call)
+                    .await
             }
             Rpc::InverseDynamics => {
                 let message: v1::InverseDynamicsRequest = self.json.read_for(request, id, call).await?;
-                self.json.write(self.service.inverse_dynamics(call, message).await?, call).await
+                self.json
+                    .write(self.service.inverse_dynamics(call, message).await?, call)
+                    .await
             }
             Rpc::ForwardKinematics => {
                 let message: v1::ForwardKinematicsRequest = self.json.read_for(request, id, call).await?;
-                self.json.write(self.service.forward_kinematics(call, message).await?, call).await
+                self.json
+                    .write(self.service.forward_kinematics(call, message).await?, call)
+                    .await
             }
         }
     }
@@ -104,30 +109,34 @@ fn not_allowed(request: &Request<Incoming>, allowed: &str) -> Response<Body> {
         "{} is not a method of this path, {allowed} is",
         quoted(request.method().as_str())
     );
-    let mut response = refuse(&Error::new(ErrorCode::MethodNotAllowed, message));
+    let mut response = refuse(ServiceError::new(ErrorCode::MethodNotAllowed, message));
     if let Ok(allowed) = HeaderValue::from_str(allowed) {
         response.headers_mut().insert(header::ALLOW, allowed);
     }
     response
 }
 
-/// An error as its JSON.
-pub(crate) fn refuse(error: &Error) -> Response<Body> {
-    let status = StatusCode::from_u16(error.code.row().http).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
-    let body = error.to_json().to_string();
+/// An error as its JSON; the error itself goes along for the log.
+pub(crate) fn refuse(error: ServiceError) -> Response<Body> {
+    let wire = error.wire();
+    let status = StatusCode::from_u16(wire.code.row().http).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
+    let body = wire.to_json().to_string();
     let mut response = body_response(status, "application/json", body.into());
-    if let Some(delay) = error.retry_after {
+    if let Some(delay) = wire.retry_after {
         // The header has whole seconds; the body says it exactly.
-        let seconds = HeaderValue::from(delay.as_secs_f64().ceil() as u64);
-        response.headers_mut().insert(header::RETRY_AFTER, seconds);
+        let seconds = delay.as_secs() + u64::from(delay.subsec_nanos() > 0);
+        response.headers_mut().insert(header::RETRY_AFTER, seconds.into());
     }
+    response.extensions_mut().insert(error);
     response
 }
 
 pub(crate) fn body_response(status: StatusCode, kind: &'static str, body: Bytes) -> Response<Body> {
     let mut response = Response::new(Body::new(Full::new(body)));
     *response.status_mut() = status;
-    response.headers_mut().insert(header::CONTENT_TYPE, HeaderValue::from_static(kind));
+    response
+        .headers_mut()
+        .insert(header::CONTENT_TYPE, HeaderValue::from_static(kind));
     response
 }
 

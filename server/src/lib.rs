@@ -6,6 +6,7 @@ mod config;
 mod connection;
 mod edge;
 mod error;
+mod examples;
 mod grpc;
 mod health;
 mod http;

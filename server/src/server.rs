@@ -15,6 +15,7 @@ use crate::{
     config::{Config, ConfigError, DrainConfig, StoreConfig},
     connection::Connections,
     edge::Edge,
+    examples,
     health::Health,
     planner::Pool,
     registry::{
@@ -84,6 +85,10 @@ impl Server {
         let store = open(&config.store).await?;
         let planner = Pool::new(&config.planner).map_err(|error| BindError::Planner(error.to_string()))?;
         let registry = Registry::new(store, config.planner.cached_robots());
+        if config.examples {
+            let registered = examples::register(&registry).await;
+            registered.map_err(|error| BindError::Examples(error.wire().to_string()))?;
+        }
         let service = Arc::new(Service::new(registry, planner, config.limits.clone()));
         let health = Health::serving().await;
         let edge = Edge::new(service, health.clone(), config.limits);

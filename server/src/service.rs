@@ -145,7 +145,12 @@ impl Service {
             return Err(ServiceError::invalid(violations));
         }
         let after = after.as_ref().map(RobotId::as_str);
-        let found = self.registry.store().list(after, count + 1).await.map_err(unavailable)?;
+        let found = self
+            .registry
+            .store()
+            .list(after, count + 1)
+            .await
+            .map_err(unavailable)?;
         let next_page_token = match found.get(count) {
             Some(_) => to_token(&found[count - 1].0),
             None => String::new(),
@@ -219,12 +224,7 @@ impl Service {
         Ok(Subject::Robot(robot))
     }
 
-    async fn compiled(
-        &self,
-        call: Call,
-        id: &RobotId,
-        revision: Option<&str>,
-    ) -> Result<Arc<Compiled>, ServiceError> {
+    async fn compiled(&self, call: Call, id: &RobotId, revision: Option<&str>) -> Result<Arc<Compiled>, ServiceError> {
         let compile = |record| {
             let job = move |_: &takt_motion::budget::Budget<'_>| compute::compile_stored(&record);
             let compiling = self.planner.run(call.deadline, job);

@@ -6,8 +6,8 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::chain::Chain;
-use super::rnea::{Omega, Turn, add, cross, cross_constant};
+use super::chain::{Body, Chain};
+use super::rnea::{Omega, Turn, add, along_axis, cross, cross_constant};
 use crate::scalar::{LANES_MAX, Lanes, Real};
 
 /// The three terms of every joint at samples of a straight path, joint by joint: entry `joint * stride + sample`.
@@ -69,7 +69,7 @@ impl WithSimd for PathSweep<'_> {
 /// Force and moment on a link for each of the three terms.
 #[derive(Clone, Copy)]
 struct Wrenches<R> {
-    turn: Option<Turn<R>>,
+    turn: Turn<R>,
     mass: [[R; 3]; 2],
     velocity: [[R; 3]; 2],
     gravity: [[R; 3]; 2],
@@ -80,22 +80,24 @@ impl PathSweep<'_> {
     fn run<S: Simd, const N: usize>(self, simd: S) {
         let zero = Lanes::constant(simd, 0.0);
         let empty = Wrenches {
-            turn: None,
+            turn: Turn::zero(zero),
             mass: [[zero; 3]; 2],
             velocity: [[zero; 3]; 2],
             gravity: [[zero; 3]; 2],
         };
         let mut links = [empty; N];
+        let mut torques = [[zero; 3]; N];
         let stride = self.terms.stride;
         for at in (0..stride).step_by(S::F64_LANES) {
             let s = Lanes::load(simd, &self.positions[at..]);
             outward(self.chain, self.start, self.direction, s, &mut links);
-            inward(self.chain, &mut links, zero, |joint, mass, velocity, gravity| {
+            inward(self.chain, &links, zero, &mut torques);
+            for (joint, torque) in torques.iter().enumerate().take(self.chain.joints.len()) {
                 let entry = joint * stride + at;
-                mass.store(&mut self.terms.mass[entry..]);
-                velocity.store(&mut self.terms.velocity[entry..]);
-                gravity.store(&mut self.terms.gravity[entry..]);
-            });
+                torque[0].store(&mut self.terms.mass[entry..]);
+                torque[1].store(&mut self.terms.velocity[entry..]);
+                torque[2].store(&mut self.terms.gravity[entry..]);
+            }
         }
     }
 }
@@ -133,10 +135,9 @@ fn outward<R: Real>(chain: &Chain, start: &[f64], direction: &[f64], s: R, links
         }
         omega = Omega::new(w, wd);
         let body = &joint.body;
-        let push = |a: [R; 3]| [a[0] * body.mass, a[1] * body.mass, a[2] * body.mass];
-        link.turn = Some(turn);
+        link.turn = turn;
         link.velocity = [
-            add(push(a), omega.times_constant(body.first)),
+            add(push(body, a), omega.times_constant(body.first)),
             add(cross_constant(body.first, a), omega.moment(body.second)),
         ];
         let h = body.first;
@@ -146,10 +147,10 @@ fn outward<R: Real>(chain: &Chain, start: &[f64], direction: &[f64], s: R, links
             wd_mass[0] * h[1] - wd_mass[1] * h[0],
         ];
         link.mass = [
-            add(push(a_mass), swing),
+            add(push(body, a_mass), swing),
             add(cross_constant(h, a_mass), spin_moment(body.second, wd_mass)),
         ];
-        link.gravity = [push(up), cross_constant(h, up)];
+        link.gravity = [push(body, up), cross_constant(h, up)];
     }
 }
 
@@ -163,26 +164,32 @@ fn spin_moment<R: Real>(s: [f64; 6], wd: [R; 3]) -> [R; 3] {
     ]
 }
 
+/// Mass times acceleration.
 #[inline(always)]
-fn inward<R: Real>(chain: &Chain, links: &mut [Wrenches<R>], zero: R, mut put: impl FnMut(usize, R, R, R)) {
+fn push<R: Real>(body: &Body, a: [R; 3]) -> [R; 3] {
+    [a[0] * body.mass, a[1] * body.mass, a[2] * body.mass]
+}
+
+#[inline(always)]
+fn inward<R: Real>(chain: &Chain, links: &[Wrenches<R>], zero: R, torques: &mut [[R; 3]]) {
     let none = [[zero; 3]; 2];
     let (mut mass, mut velocity, mut gravity) = (none, none, none);
-    for (i, (joint, link)) in chain.joints.iter().zip(links).enumerate().rev() {
-        let Some(turn) = link.turn else { return };
-        let sum = |a: [[R; 3]; 2], b: [[R; 3]; 2]| [add(a[0], b[0]), add(a[1], b[1])];
+    for ((joint, link), torque) in chain.joints.iter().zip(links).zip(torques).rev() {
         mass = sum(mass, link.mass);
         velocity = sum(velocity, link.velocity);
         gravity = sum(gravity, link.gravity);
-        let part = usize::from(!joint.prismatic);
-        put(i, mass[part][2], velocity[part][2], gravity[part][2]);
-        let origin = turn.origin(joint);
-        let to_parent = |wrench: [[R; 3]; 2]| {
-            let force = turn.into_parent(joint, wrench[0]);
-            let moment = turn.into_parent(joint, wrench[1]);
-            [force, add(moment, cross(origin, force))]
-        };
-        mass = to_parent(mass);
-        velocity = to_parent(velocity);
-        gravity = to_parent(gravity);
+        *torque = [
+            along_axis(joint, mass[0], mass[1]),
+            along_axis(joint, velocity[0], velocity[1]),
+            along_axis(joint, gravity[0], gravity[1]),
+        ];
+        mass = link.turn.wrench_into_parent(joint, mass[0], mass[1]).into();
+        velocity = link.turn.wrench_into_parent(joint, velocity[0], velocity[1]).into();
+        gravity = link.turn.wrench_into_parent(joint, gravity[0], gravity[1]).into();
     }
+}
+
+#[inline(always)]
+fn sum<R: Real>(a: [[R; 3]; 2], b: [[R; 3]; 2]) -> [[R; 3]; 2] {
+    [add(a[0], b[0]), add(a[1], b[1])]
 }

@@ -33,11 +33,7 @@ pub(crate) struct Turn<R> {
 impl<R: Real> LinkWrench<R> {
     pub(crate) fn zero(zero: R) -> Self {
         Self {
-            turn: Turn {
-                cos: zero,
-                sin: zero,
-                slide: zero,
-            },
+            turn: Turn::zero(zero),
             force: [zero; 3],
             moment: [zero; 3],
             weight: [zero; 3],
@@ -58,6 +54,14 @@ impl Turn<f64> {
 }
 
 impl<R: Real> Turn<R> {
+    pub(crate) fn zero(zero: R) -> Self {
+        Self {
+            cos: zero,
+            sin: zero,
+            slide: zero,
+        }
+    }
+
     #[inline(always)]
     pub(crate) fn new(joint: &ChainJoint, q: R) -> Self {
         if joint.prismatic {
@@ -92,6 +96,14 @@ impl<R: Real> Turn<R> {
         ]
     }
 
+    /// A force and its moment about this frame's origin, seen from the frame before, about that one's origin.
+    #[inline(always)]
+    pub(crate) fn wrench_into_parent(self, joint: &ChainJoint, force: [R; 3], moment: [R; 3]) -> ([R; 3], [R; 3]) {
+        let force = self.into_parent(joint, force);
+        let moment = self.into_parent(joint, moment);
+        (force, add(moment, cross(self.origin(joint), force)))
+    }
+
     /// Origin of this frame in the one before.
     #[inline(always)]
     pub(crate) fn origin(self, joint: &ChainJoint) -> [R; 3] {
@@ -106,6 +118,14 @@ impl<R: Real> Turn<R> {
         [self.slide.splat(p[0]), self.slide.splat(p[1]), self.slide.splat(p[2])]
     }
 }
+
+/// What a joint's drive must give of a force and moment on its link.
+#[inline(always)]
+pub(crate) fn along_axis<R: Real>(joint: &ChainJoint, force: [R; 3], moment: [R; 3]) -> R {
+    if joint.prismatic { force[2] } else { moment[2] }
+}
+
+// Kernels have no closures: one would be compiled without the instructions of the kernel that it stands in.
 
 #[inline(always)]
 pub(crate) fn add<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
@@ -270,22 +290,15 @@ pub(crate) fn rnea<R: Real, const WITH_GRAVITY: bool>(
     let mut weight_moment = [zero; 3];
     let torques = torque.iter_mut().zip(gravity_torque.iter_mut());
     for ((joint, link), (torque, gravity_torque)) in chain.joints.iter().zip(links.iter()).zip(torques).rev() {
-        let axis = |force: [R; 3], moment: [R; 3]| if joint.prismatic { force[2] } else { moment[2] };
-        let origin = link.turn.origin(joint);
-        let to_parent = |force: [R; 3], moment: [R; 3]| {
-            let force = link.turn.into_parent(joint, force);
-            let moment = link.turn.into_parent(joint, moment);
-            (force, add(moment, cross(origin, force)))
-        };
         force = add(force, link.force);
         moment = add(moment, link.moment);
-        *torque = axis(force, moment);
-        (force, moment) = to_parent(force, moment);
+        *torque = along_axis(joint, force, moment);
+        (force, moment) = link.turn.wrench_into_parent(joint, force, moment);
         if WITH_GRAVITY {
             weight = add(weight, link.weight);
             weight_moment = add(weight_moment, link.weight_moment);
-            *gravity_torque = axis(weight, weight_moment);
-            (weight, weight_moment) = to_parent(weight, weight_moment);
+            *gravity_torque = along_axis(joint, weight, weight_moment);
+            (weight, weight_moment) = link.turn.wrench_into_parent(joint, weight, weight_moment);
         }
     }
 }

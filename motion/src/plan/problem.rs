@@ -93,10 +93,10 @@ impl Problem {
             let message = format!("the joints travel {travel:.1} rad or m in all, the most is {TRAVEL_MAX}");
             wrong.push(Invalid::new("target.position", message));
         }
-        for joint in 0..self.start.len() {
+        for (joint, target) in target.iter().enumerate() {
             let limit = self.limits[joint];
             let (lower, upper) = (limit.position_lower, limit.position_upper);
-            if let Some(message) = outside(target[joint], lower, upper) {
+            if let Some(message) = outside(*target, lower, upper) {
                 let message = format!("joint \"{}\": {message}", self.name(joint));
                 wrong.push(Invalid::new(format!("target.position[{joint}]"), message));
                 continue;

@@ -12,6 +12,9 @@ use crate::tolerance::{PLAN_RESERVE, SLOW_ROUNDS, SLOWEST, VERIFY_RESERVE};
 use crate::trajectory::Trajectory;
 use crate::verify::{Peak, Point, Verification, Verifier};
 
+/// Relative excess that a torque at a root may have from rounding: far inside the reserve.
+const ROOT_ROUNDING: f64 = 1.0e-9;
+
 /// A plan made slow enough, or the torque that no speed brings below its limit.
 pub(super) type Slowed = Result<Verified, Peak>;
 
@@ -75,7 +78,7 @@ fn descend(points: &[Point], limits: &[Option<f64>]) -> Result<f64, Peak> {
             let Some(limit) = limits[point.joint] else { continue };
             let limit = limit * (1.0 - PLAN_RESERVE);
             let torque = point.torque(part);
-            if torque.abs() <= limit * (1.0 + f64::EPSILON) {
+            if torque.abs() <= limit * (1.0 + ROOT_ROUNDING) {
                 continue;
             }
             let bound = limit.copysign(torque);

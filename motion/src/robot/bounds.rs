@@ -47,7 +47,7 @@ pub(crate) const GRAVITY: Bound = between(0.0, 1000.0, " m/s²");
 pub(crate) const MIMIC: Bound = symmetric(1e5, "");
 
 /// Moving joints of a chain: four times the longest arm on the market.
-pub(crate) const MAX_JOINTS: usize = 32;
+pub(crate) const MAX_JOINTS: usize = super::JOINTS_MAX;
 /// Bytes of a URDF. The largest published humanoid is under 1 MiB.
 pub(crate) const MAX_URDF_BYTES: usize = 4 << 20;
 /// XML nodes of a URDF: what its text can unfold to in memory.

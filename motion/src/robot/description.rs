@@ -1,5 +1,5 @@
 //! The description of an arm as a caller gives it: a URDF or a DH table, with limits and drives beside it.
-//! [`Description::resolve`] makes a [`RobotSpec`] of it, and says what is wrong and what is odd.
+//! [`Description::resolve`] makes a [`super::spec::RobotSpec`] of it, and says what is wrong and what is odd.
 
 use nalgebra::{Isometry3, Matrix3, Vector3};
 

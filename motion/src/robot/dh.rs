@@ -68,7 +68,7 @@ fn joint(
         center_of_mass: link.center_of_mass,
         inertia: link.inertia,
     };
-    if let Some(oddity) = inertial::oddity("link of joint", &link.name, &body) {
+    if let Some(oddity) = inertial::oddity(format_args!("link of joint {}", quoted(&link.name)), &body) {
         findings.warn(oddity);
     } else if body.mass == 0.0 {
         findings.warn(format!(

@@ -4,28 +4,28 @@
 //! "Linear matrix inequalities for physically-consistent inertial parameter identification", 2018). Makers' own files
 //! break this, so it is a warning: what cannot be computed with, a singular mass matrix, shows later.
 
+use std::fmt;
+
 use nalgebra::{Matrix3, SymmetricEigen};
 
 use super::bounds::INERTIA_ROUNDING;
-use super::findings::quoted;
 use super::spec::Inertial;
 
 /// Rounds of the eigenvalue iteration, which takes about four for a symmetric 3 × 3 matrix.
 const EIGEN_ROUNDS: usize = 100;
 
 /// Says what is odd about a body whose numbers are within their bounds.
-pub(crate) fn oddity(what: &str, name: &str, body: &Inertial) -> Option<String> {
-    let name = quoted(name);
+pub(crate) fn oddity(subject: impl fmt::Display, body: &Inertial) -> Option<String> {
     let is_point = body.inertia.iter().all(|entry| *entry == 0.0);
     if body.mass == 0.0 && !is_point {
         let [xx, yy, zz] = diagonal(&body.inertia);
         return Some(format!(
-            "{what} {name}: mass 0 with a rotational inertia of ({xx:?}, {yy:?}, {zz:?}) kg m² is not a rigid body's"
+            "{subject}: mass 0 with a rotational inertia of ({xx:?}, {yy:?}, {zz:?}) kg m² is not a rigid body's"
         ));
     }
     if body.mass > 0.0 && is_point {
         return Some(format!(
-            "{what} {name}: mass {:?} kg with a rotational inertia of zero is taken as a point mass",
+            "{subject}: mass {:?} kg with a rotational inertia of zero is taken as a point mass",
             body.mass
         ));
     }
@@ -36,12 +36,12 @@ pub(crate) fn oddity(what: &str, name: &str, body: &Inertial) -> Option<String> 
     let slack = INERTIA_ROUNDING * (a.abs() + b.abs() + c.abs());
     if a < -slack {
         return Some(format!(
-            "{what} {name}: rotational inertia has the negative principal moment {a:.6e} kg m² (of {a:.6e}, {b:.6e}, {c:.6e})"
+            "{subject}: rotational inertia has the negative principal moment {a:.6e} kg m² (of {a:.6e}, {b:.6e}, {c:.6e})"
         ));
     }
     if a + b < c - slack {
         return Some(format!(
-            "{what} {name}: principal moments {a:.6e} + {b:.6e} < {c:.6e} kg m² break the triangle inequality of a rigid body"
+            "{subject}: principal moments {a:.6e} + {b:.6e} < {c:.6e} kg m² break the triangle inequality of a rigid body"
         ));
     }
     None

@@ -60,7 +60,12 @@ impl Description {
 
     fn chain(&self, findings: &mut Findings) -> Option<Chain> {
         match &self.kinematics {
-            Kinematics::Dh { convention, links } => dh::read(*convention, links, findings),
+            Kinematics::Dh { convention, links } => {
+                if self.use_urdf_dynamics {
+                    findings.warn("use_urdf_dynamics says nothing to a DH table");
+                }
+                dh::read(*convention, links, findings)
+            }
             Kinematics::Urdf {
                 text,
                 base_link,
@@ -181,7 +186,7 @@ fn check_payload(payload: Option<&Inertial>, findings: &mut Findings) {
     if payload.mass > 0.0
         && payload.inertia != Matrix3::zeros()
         && !findings.has_errors()
-        && let Some(oddity) = inertial::oddity("the", "payload", payload)
+        && let Some(oddity) = inertial::oddity("payload", payload)
     {
         findings.warn(oddity);
     }

@@ -16,25 +16,20 @@ pub(crate) fn from_roll_pitch_yaw(rpy: &Vector3<f64>) -> UnitQuaternion<f64> {
     about(&Vector3::z(), rpy.z) * about(&Vector3::y(), rpy.y) * about(&Vector3::x(), rpy.x)
 }
 
-/// Roll, pitch and yaw of a rotation, the inverse of [`from_roll_pitch_yaw`]; roll is 0 where pitch is a right angle.
+/// Roll, pitch and yaw of a rotation, the inverse of [`from_roll_pitch_yaw`].
+///
+/// Near a pitch of a right angle, where roll and yaw turn about one axis and yaw is lost in rounding, roll is computed
+/// from what is left after that yaw, so that the three together stay exact.
 pub(crate) fn to_roll_pitch_yaw(rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
     let r = rotation.to_rotation_matrix();
     let m = r.matrix();
-    let cosine = libm::hypot(m[(0, 0)], m[(1, 0)]);
-    let pitch = libm::atan2(-m[(2, 0)], cosine);
-    // Within rounding of the right angle roll and yaw turn about one axis: all of it is called yaw.
-    if cosine < GIMBAL_LOCK {
-        return Vector3::new(0.0, pitch, libm::atan2(-m[(0, 1)], m[(1, 1)]));
-    }
-    Vector3::new(
-        libm::atan2(m[(2, 1)], m[(2, 2)]),
-        pitch,
-        libm::atan2(m[(1, 0)], m[(0, 0)]),
-    )
+    let yaw = libm::atan2(m.m21, m.m11);
+    let (sine, cosine) = libm::sincos(yaw);
+    // Rz(−yaw) R = Ry(pitch) Rx(roll), entry by entry.
+    let pitch = libm::atan2(-m.m31, cosine * m.m11 + sine * m.m21);
+    let roll = libm::atan2(sine * m.m13 - cosine * m.m23, cosine * m.m22 - sine * m.m12);
+    Vector3::new(roll, pitch, yaw)
 }
-
-/// Cosine of the pitch below which roll and yaw are not told apart.
-const GIMBAL_LOCK: f64 = 1e-9;
 
 /// Translation, then rotation.
 pub(crate) fn pose(position: Vector3<f64>, rotation: UnitQuaternion<f64>) -> Isometry3<f64> {

@@ -8,6 +8,7 @@
 //! say what is done.
 
 mod element;
+mod fold;
 mod guard;
 mod hold;
 mod limit;
@@ -35,6 +36,22 @@ pub struct Options<'a> {
 }
 
 /// Reads a chain. What is odd but can be lived with comes back as warnings.
+///
+/// ```
+/// use takt_motion::robot::urdf::{Options, read};
+///
+/// let text = "<robot name='slide'>
+///   <link name='rail'/>
+///   <link name='cart'><inertial><mass value='3'/></inertial></link>
+///   <joint name='drive' type='prismatic'>
+///     <parent link='rail'/><child link='cart'/>
+///     <limit lower='0' upper='2' effort='400' velocity='3'/>
+///   </joint>
+/// </robot>";
+/// let (chain, warnings) = read(text, &Options::default()).expect("the text is a URDF with one chain");
+/// assert_eq!(chain.joints[0].limits.velocity, Some(3.0));
+/// assert!(warnings[0].contains("point mass"));
+/// ```
 ///
 /// # Errors
 ///

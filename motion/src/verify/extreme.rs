@@ -10,6 +10,9 @@ use crate::trajectory::Trajectory;
 /// Part of its limit from which on a peak is reported, whether or not it is the joint's largest.
 const NEAR_LIMIT: f64 = 0.99;
 
+/// Part of a joint's largest torque from which on the ends of segments are probed.
+const NEAR_TOP: f64 = 0.999;
+
 /// What is verified, against what.
 pub(super) struct Context<'a> {
     pub(super) chain: &'a Chain,
@@ -49,6 +52,18 @@ impl Bracket {
         Some((time, value))
     }
 
+    /// The bracket of other moments and values, in the order of time.
+    fn through(&self, mut three: [(f64, f64); 3]) -> Self {
+        if three[0].0 > three[2].0 {
+            three.reverse();
+        }
+        Self {
+            times: three.map(|(time, _)| time),
+            values: three.map(|(_, value)| value),
+            ..*self
+        }
+    }
+
     /// Closes in on a new moment between the outer two.
     fn narrow(&mut self, time: f64, value: f64) {
         let [_, t1, _] = self.times;
@@ -80,11 +95,17 @@ pub(super) fn find(
     joints: &mut [JointDemand],
 ) -> Vec<Peak> {
     let mut brackets = brackets(context, verifier, stretches, joints);
+    brackets.extend(end_brackets(context, verifier, stretches, joints));
     let mut found: Vec<Peak> = Vec::new();
     for _ in 0..REFINE_ROUNDS {
         let tops: Vec<(Bracket, f64)> = brackets
             .iter()
-            .filter_map(|bracket| bracket.top().map(|(time, _)| (*bracket, time)))
+            .filter_map(|bracket| {
+                let (time, value) = bracket.top()?;
+                let limit = context.limits[bracket.joint].unwrap_or(f64::INFINITY);
+                let gain = value - bracket.values[1];
+                (gain > REFINE_GAIN * limit.min(value.abs())).then_some((*bracket, time))
+            })
             .collect();
         if tops.is_empty() {
             break;
@@ -105,12 +126,8 @@ pub(super) fn find(
             if torque.abs() >= NEAR_LIMIT * limit {
                 found.push(peak);
             }
-            let before = bracket.values[1];
             bracket.narrow(time, bracket.sign * torque);
-            let scale = limit.min(before.abs());
-            if (bracket.values[1] - before).abs() > REFINE_GAIN * scale {
-                brackets.push(bracket);
-            }
+            brackets.push(bracket);
         }
     }
     for (joint, demand) in joints.iter().enumerate() {
@@ -171,14 +188,75 @@ fn brackets(context: &Context<'_>, verifier: &Verifier, stretches: &[Stretch], j
                 let Some((time, value)) = bracket.top() else {
                     continue;
                 };
-                // each top once: in the bracket whose middle is nearest, or at an end of the segment
-                let nearest = (time / step).round() as usize;
-                let at_end =
-                    middle == 1 && nearest == 0 || middle + 1 == stretch.intervals && nearest == stretch.intervals;
-                if value >= worth && (nearest == middle || at_end) {
+                // a top belongs to the bracket whose middle is nearest, with some overlap since neighbouring parabolas
+                // differ, or to the bracket at an end of the segment
+                let off = time - bracket.times[1];
+                let at_end = middle == 1 && off < 0.0 || middle + 1 == stretch.intervals && off > 0.0;
+                if value >= worth && (off.abs() <= 0.75 * step || at_end) {
                     brackets.push(bracket);
                 }
             }
+        }
+    }
+    brackets
+}
+
+/// Brackets at ends of segments where a torque is near its joint's largest.
+///
+/// There a torque may still rise for a moment before it falls, within so little of the first interval that the samples do
+/// not show it; two probes close to the end do.
+fn end_brackets(
+    context: &Context<'_>,
+    verifier: &mut Verifier,
+    stretches: &[Stretch],
+    joints: &[JointDemand],
+) -> Vec<Bracket> {
+    let times = context.motion.times();
+    let mut ends: Vec<Bracket> = Vec::new();
+    for (joint, demand) in joints.iter().enumerate() {
+        let column = verifier.sweep.column(joint);
+        let worth = NEAR_TOP * demand.peak_torque.abs();
+        for stretch in stretches {
+            let span = times[stretch.segment + 1] - times[stretch.segment];
+            let step = span / stretch.intervals as f64;
+            for (at_end, next, time, inwards) in [
+                (0, 1, 0.0, step),
+                (stretch.intervals, stretch.intervals - 1, span, -step),
+            ] {
+                let first = column + stretch.first;
+                let (here, beyond) = (verifier.torque[first + at_end], verifier.torque[first + next]);
+                if here.abs() < worth {
+                    continue;
+                }
+                let sign = here.signum();
+                ends.push(Bracket {
+                    joint,
+                    segment: stretch.segment,
+                    sign,
+                    times: [time, time + inwards / 16.0, time + inwards],
+                    values: [sign * here, 0.0, sign * beyond],
+                });
+            }
+        }
+    }
+    let moments: Vec<(usize, f64)> = ends
+        .iter()
+        .flat_map(|end| {
+            [
+                (end.segment, end.times[1]),
+                (end.segment, end.times[0] + 4.0 * (end.times[1] - end.times[0])),
+            ]
+        })
+        .collect();
+    context.compute_at(&mut verifier.refine, &moments);
+    let mut brackets = Vec::with_capacity(2 * ends.len());
+    for (index, end) in ends.iter().enumerate() {
+        let probe = |sample: usize| end.sign * context.torque(&verifier.refine, sample, end.segment, end.joint);
+        let near = (moments[2 * index].1, probe(2 * index));
+        let far = (moments[2 * index + 1].1, probe(2 * index + 1));
+        let (outer, inner) = ((end.times[0], end.values[0]), (end.times[2], end.values[2]));
+        for three in [[outer, near, far], [near, far, inner]] {
+            brackets.push(end.through(three));
         }
     }
     brackets

@@ -13,6 +13,7 @@ use takt_motion::nalgebra::{
 use takt_motion::robot::description::{Description, Kinematics};
 use takt_motion::robot::resolve::Resolved;
 use takt_motion::robot::spec::{Inertial, JointKind, RobotSpec};
+use takt_motion::robot::urdf_writer;
 
 /// Largest difference to the oracle, relative to the largest entry of a vector or matrix: the engines agree among
 /// themselves to 3e-15, sums over a chain of seven round a little more.
@@ -66,6 +67,16 @@ impl Arm {
         description.gravity = Some(Vector3::from_column_slice(&numbers(&oracle["gravity"])));
         let resolved = description.resolve().unwrap_or_else(|errors| panic!("{errors:#?}"));
         Self { resolved, oracle }
+    }
+
+    /// The same arm, written as a URDF and read again.
+    pub(crate) fn rewritten(self) -> Self {
+        let kinematics = Kinematics::Urdf {
+            text: urdf_writer::write(&self.resolved.spec, "arm"),
+            base_link: None,
+            tip_link: None,
+        };
+        Self::described(bare(kinematics), self.oracle)
     }
 
     /// Joint names and limits, and everything below.

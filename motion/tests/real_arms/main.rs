@@ -5,7 +5,11 @@ mod arm;
 mod example;
 mod puma;
 
-use arm::{Arm, json};
+use takt_motion::robot::Robot;
+use takt_motion::robot::resolve::Resolved;
+use takt_motion::robot::urdf;
+
+use arm::{Arm, json, text};
 
 #[test]
 fn ur5e() {
@@ -55,6 +59,36 @@ fn puma560_from_its_dh_table() {
     Arm::described(puma::description(), oracle).check();
 }
 
+#[test]
+fn every_arm_survives_being_written_as_a_urdf() {
+    for (folder, urdf, oracle) in [
+        ("ur5e", "ur5e.urdf", "oracle.json"),
+        ("fr3", "fr3.urdf", "oracle.json"),
+        ("denso_hsr065", "denso_hsr065.urdf", "oracle.json"),
+        ("stretch_re1", "stretch_re1.urdf", "oracle_chain.json"),
+    ] {
+        Arm::urdf(folder, urdf, oracle).rewritten().check();
+    }
+}
+
+/// Reading ends with an answer, whatever is missing.
+#[test]
+fn damaged_files_get_an_answer() {
+    const CUTS: usize = 400;
+    const LENGTH: usize = 37;
+    for file in ["ur5e/ur5e.urdf", "stretch_re1/stretch_re1.urdf"] {
+        let text = text(&format!("tests/vectors/robots/{file}"));
+        for cut in 0..CUTS {
+            let from = text.floor_char_boundary(cut * text.len() / CUTS);
+            let to = text.floor_char_boundary((from + LENGTH).min(text.len()));
+            let damaged = format!("{}{}", &text[..from], &text[to..]);
+            if let Err(errors) = urdf::read(&damaged, &urdf::Options::default()) {
+                assert!(!errors.is_empty());
+            }
+        }
+    }
+}
+
 /// The example's figures are rounded to twelve digits, and the URDF's right angles to ten.
 const EXAMPLE_TOLERANCE: f64 = 1e-6;
 
@@ -80,7 +114,14 @@ fn the_example_puma560_is_the_published_one() {
     let oracle = json("tests/vectors/robots/puma560/oracle.json");
     let arm = Arm::described(example::description("puma560"), oracle);
     arm.check();
-    assert_eq!(arm.resolved.warnings.len(), 1, "its first link has inertia and no mass");
+    let [first, third] = &arm.resolved.warnings[..] else {
+        panic!("{:?}", arm.resolved.warnings);
+    };
+    assert!(
+        first.contains("\"joint_1\": mass 0 with a rotational inertia"),
+        "{first}"
+    );
+    assert!(third.contains("\"joint_3\": principal moments"), "{third}");
     let drives = arm.resolved.spec.joints.iter().map(|joint| &joint.drive);
     let reflected: Vec<f64> = drives
         .map(|drive| drive.gear_ratio.powi(2) * drive.rotor_inertia)
@@ -96,4 +137,16 @@ fn the_example_scara_is_complete() {
     let resolved = example::description("scara").resolve().unwrap();
     assert_eq!(resolved.warnings.len(), 0, "{:?}", resolved.warnings);
     assert_eq!(resolved.spec.joints.len(), 4);
+}
+
+/// Each can hold itself up and accelerate, so its conventional pattern can be derived.
+#[test]
+fn the_examples_are_robots() {
+    for name in ["ur5e", "fr3", "puma560", "scara"] {
+        let Resolved { spec, warnings } = example::description(name).resolve().unwrap();
+        let robot = Robot::new(spec, warnings).unwrap();
+        for joint in 0..robot.joint_count() {
+            assert!(robot.preset(joint).is_some(), "{name}: no preset for joint {joint}");
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! States in, torques and poses out.
 
-use takt_motion::nalgebra::Isometry3;
+use takt_motion::{POSITION_MAX, nalgebra::Isometry3};
 
 use super::{Findings, Path, robot};
 use crate::v1;
@@ -24,9 +24,9 @@ pub fn joint_states(states: &[v1::JointState], joint_count: Option<usize>, findi
     }
     for (index, state) in states.iter().enumerate() {
         let at = list_at.index(index);
-        check(findings, at.field("position"), &state.position, joint_count, true);
-        check(findings, at.field("velocity"), &state.velocity, joint_count, false);
-        check(findings, at.field("acceleration"), &state.acceleration, joint_count, false);
+        check_position(findings, at.field("position"), &state.position, joint_count);
+        check(findings, at.field("velocity"), &state.velocity, joint_count);
+        check(findings, at.field("acceleration"), &state.acceleration, joint_count);
     }
 }
 
@@ -37,15 +37,28 @@ pub fn joint_positions(states: &[v1::JointPosition], joint_count: Option<usize>,
         findings.push(list_at, "must have at least one entry");
     }
     for (index, state) in states.iter().enumerate() {
-        check(findings, list_at.index(index).field("position"), &state.position, joint_count, true);
+        let at = list_at.index(index);
+        check_position(findings, at.field("position"), &state.position, joint_count);
     }
 }
 
-fn check(findings: &mut Findings, at: Path<'_>, values: &[f64], joint_count: Option<usize>, required: bool) {
-    if values.is_empty() && !required {
+/// What may be left out.
+fn check(findings: &mut Findings, at: Path<'_>, values: &[f64], joint_count: Option<usize>) {
+    if values.is_empty() {
         return;
     }
     findings.joint_values(at, values, joint_count);
+}
+
+/// Positions as far out as the planner takes them: beyond, sines lose their accuracy.
+fn check_position(findings: &mut Findings, at: Path<'_>, values: &[f64], joint_count: Option<usize>) {
+    findings.joint_values(at, values, joint_count);
+    for (index, &value) in values.iter().enumerate() {
+        if value.is_finite() && value.abs() > POSITION_MAX {
+            let message = format!("{value} must be at most {POSITION_MAX} either way");
+            findings.push(at.index(index), message);
+        }
+    }
 }
 
 /// Reads what to return.

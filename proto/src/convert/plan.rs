@@ -16,11 +16,7 @@ const METHODS: &str = "PRESET, ENDPOINT, VERIFIED";
 const INTERPOLATIONS: &str = "LINEAR, CUBIC, QUINTIC";
 
 /// Reads a move. The robot, where it is known, says how many joints there are and what they are called.
-pub fn move_request(
-    wire: v1::PlanMoveRequest,
-    robot: Option<&RobotSpec>,
-    findings: &mut Findings,
-) -> MoveRequest {
+pub fn move_request(wire: v1::PlanMoveRequest, robot: Option<&RobotSpec>, findings: &mut Findings) -> MoveRequest {
     let at = Path::Root;
     let joint_count = robot.map(|robot| robot.joints.len());
     let start = configuration(wire.start, at.field("start"), joint_count, findings);
@@ -136,9 +132,9 @@ pub fn check_request(
         findings.push(trajectory_at, "must be given");
     }
     let trajectory = wire.trajectory.unwrap_or_default();
-    let interpolation = trajectory.interpolation.and_then(|number| {
-        findings.enumerated(trajectory_at.field("interpolation"), number, INTERPOLATIONS)
-    });
+    let interpolation = trajectory
+        .interpolation
+        .and_then(|number| findings.enumerated(trajectory_at.field("interpolation"), number, INTERPOLATIONS));
     let joint_count = robot.map(|robot| robot.joints.len());
     let payload = wire.payload.as_ref();
     CheckRequest {
@@ -364,7 +360,10 @@ pub fn report_to_wire(report: CheckReport, robot: &RobotSpec) -> v1::CheckTrajec
         duration_s: report.duration,
         torque_margins: margins_to_wire(&report.torque_margins, robot),
         limit_uses: uses.map(|limit| limit_use_to_wire(limit, robot)).collect(),
-        override_safe: report.override_safe.as_ref().map(|safety| safety_to_wire(safety, robot)),
+        override_safe: report
+            .override_safe
+            .as_ref()
+            .map(|safety| safety_to_wire(safety, robot)),
         warnings: report.warnings,
         interpolation: interpolation.into(),
         provenance: None,

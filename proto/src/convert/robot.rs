@@ -44,7 +44,10 @@ pub fn description(wire: &v1::RobotDescription, at: Path<'_>, findings: &mut Fin
     let gravity = findings.vector(at.field("gravity_m_per_s2"), &wire.gravity_m_per_s2);
     let payload = wire.payload.as_ref();
     let payload = payload.map(|payload| self::payload(payload, at.field("payload"), findings));
-    let tcp = wire.tool.as_ref().map(|tool| self::tool(tool, at.field("tool"), findings));
+    let tcp = wire
+        .tool
+        .as_ref()
+        .map(|tool| self::tool(tool, at.field("tool"), findings));
     let frames = frames(&wire.frames, at.field("frames"), findings);
     Some(Description {
         kinematics: kinematics?,
@@ -282,14 +285,7 @@ pub fn payload_to_wire(body: &Inertial) -> v1::Payload {
     v1::Payload {
         mass_kg: Some(body.mass),
         center_of_mass_m: body.center_of_mass.as_slice().to_vec(),
-        inertia_kg_m2: vec![
-            i[(0, 0)],
-            i[(1, 1)],
-            i[(2, 2)],
-            i[(0, 1)],
-            i[(0, 2)],
-            i[(1, 2)],
-        ],
+        inertia_kg_m2: vec![i[(0, 0)], i[(1, 1)], i[(2, 2)], i[(0, 1)], i[(0, 2)], i[(1, 2)]],
     }
 }
 

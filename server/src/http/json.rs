@@ -54,7 +54,12 @@ impl Json {
     }
 
     /// Reads the body of a request about the robot of the URL.
-    pub(super) async fn read_for<T>(&self, request: Request<Incoming>, id: String, call: Call) -> Result<T, ServiceError>
+    pub(super) async fn read_for<T>(
+        &self,
+        request: Request<Incoming>,
+        id: String,
+        call: Call,
+    ) -> Result<T, ServiceError>
     where
         T: DeserializeOwned + ForRobot + Send + 'static,
     {
@@ -81,7 +86,10 @@ impl Json {
 
     async fn body(&self, request: Request<Incoming>) -> Result<Bytes, ServiceError> {
         let too_large = || {
-            let message = format!("the body is larger than the {} bytes that `limits.max_request_bytes` allows", self.max_bytes);
+            let message = format!(
+                "the body is larger than the {} bytes that `limits.max_request_bytes` allows",
+                self.max_bytes
+            );
             ServiceError::new(ErrorCode::TooLarge, message)
         };
         let announced = hyper::body::Body::size_hint(request.body()).lower();
@@ -116,8 +124,12 @@ impl Json {
     }
 
     /// Writes an answer that is short or was read from the store.
-    pub(super) fn write_now<T: Serialize>(&self, answer: Answer<T>) -> Result<Response<Body>, ServiceError> {
-        Ok(body_response(StatusCode::OK, "application/json", print(&answer.message)?))
+    pub(super) fn write_now<T: Serialize>(&self, answer: &Answer<T>) -> Result<Response<Body>, ServiceError> {
+        Ok(body_response(
+            StatusCode::OK,
+            "application/json",
+            print(&answer.message)?,
+        ))
     }
 }
 
@@ -139,7 +151,13 @@ fn parse<T: DeserializeOwned>(body: &[u8]) -> Result<T, ServiceError> {
         let message = "the body is empty, it must be a JSON object";
         return Err(ServiceError::new(ErrorCode::InvalidRequest, message));
     }
-    serde_json::from_slice(body).map_err(|error| ServiceError::invalid(vec![located::<T>(body, &error)]))
+    serde_json::from_slice(body).map_err(|error| {
+        let invalid = located::<T>(body, &error);
+        if invalid.path.is_empty() {
+            return ServiceError::new(ErrorCode::InvalidRequest, invalid.message);
+        }
+        ServiceError::invalid(vec![invalid])
+    })
 }
 
 /// Where the body cannot be read: read again, noting the way.

@@ -109,7 +109,12 @@ mod tests {
         assert_eq!(query.value::<u32>("page_size", "a number"), None);
         query.text("page_token");
         let error = query.finish().unwrap_err();
-        let fields: Vec<_> = error.wire().violations.iter().map(|invalid| invalid.path.as_str()).collect();
+        let fields: Vec<_> = error
+            .wire()
+            .violations
+            .iter()
+            .map(|invalid| invalid.path.as_str())
+            .collect();
         assert_eq!(fields, ["page_size", "page_token", "?"]);
     }
 }

@@ -3,7 +3,8 @@
 use http::{HeaderMap, HeaderValue, header};
 
 use super::{
-    Answered, Body, Call, Http, Incoming, Invalid, Query, Request, Response, ServiceError, StatusCode, add_etag, quoted, v1,
+    Answered, Body, Call, Http, Incoming, Invalid, Query, Request, Response, ServiceError, StatusCode, add_etag,
+    quoted, v1,
 };
 
 impl Http {
@@ -15,7 +16,7 @@ impl Http {
         };
         query.finish()?;
         let answer = self.service.list_robots(message).await?;
-        self.json.write_now(answer)
+        self.json.write_now(&answer)
     }
 
     pub(super) async fn register_robot(&self, request: Request<Incoming>, id: String, call: Call) -> Answered {
@@ -24,7 +25,11 @@ impl Http {
         if let Some(expected) = expected {
             let stated = message.expected_revision.get_or_insert_with(|| expected.clone());
             if *stated != expected {
-                let message = format!("{} is not the revision of the header, {}", quoted(stated), quoted(&expected));
+                let message = format!(
+                    "{} is not the revision of the header, {}",
+                    quoted(stated),
+                    quoted(&expected)
+                );
                 return Err(ServiceError::invalid(vec![Invalid::new("expected_revision", message)]));
             }
         }
@@ -66,7 +71,7 @@ impl Http {
         };
         query.finish()?;
         let answer = self.service.list_revisions(message).await?;
-        self.json.write_now(answer)
+        self.json.write_now(&answer)
     }
 
     pub(super) async fn delete_robot(&self, request: &Request<Incoming>, id: String) -> Answered {
@@ -78,7 +83,7 @@ impl Http {
             expected_revision: in_query.or(expected_revision(request.headers())?),
         };
         let answer = self.service.delete_robot(message).await?;
-        self.json.write_now(answer)
+        self.json.write_now(&answer)
     }
 }
 
@@ -104,7 +109,9 @@ fn expected_revision(headers: &HeaderMap) -> Result<Option<String>, ServiceError
 /// Whether a header lists a revision among its entity tags.
 fn has_tag(headers: &HeaderMap, name: &header::HeaderName, revision: &str) -> bool {
     let values = headers.get_all(name).iter();
-    let mut tags = values.filter_map(|value: &HeaderValue| value.to_str().ok()).flat_map(|value| value.split(','));
+    let mut tags = values
+        .filter_map(|value: &HeaderValue| value.to_str().ok())
+        .flat_map(|value| value.split(','));
     tags.any(|tag| {
         let tag = tag.trim();
         let tag = tag.strip_prefix("W/").unwrap_or(tag);

@@ -64,7 +64,10 @@ impl RobotStore for Memory {
         let current = robot.and_then(Robot::current).map(|record| &record.revision);
         check_expected(current, expected.as_deref())?;
         let robot = robots.entry(id.clone()).or_default();
-        if robot.current().is_some_and(|current| current.revision == record.revision) {
+        if robot
+            .current()
+            .is_some_and(|current| current.revision == record.revision)
+        {
             return Ok(());
         }
         robot.history.retain(|(_, other)| other.revision != record.revision);

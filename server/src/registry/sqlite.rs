@@ -180,7 +180,10 @@ impl RobotStore for Sqlite {
 
     async fn write(&self, id: &RobotId, record: Record, expected: Option<String>) -> Result<(), StoreError> {
         let (inner, id) = (Arc::clone(&self.0), id.clone());
-        finished(tokio::spawn(async move { inner.write(&id, record, expected.as_deref()).await })).await
+        finished(tokio::spawn(async move {
+            inner.write(&id, record, expected.as_deref()).await
+        }))
+        .await
     }
 
     async fn list(&self, after: Option<&str>, count: usize) -> Result<Vec<(String, Vec<u8>)>, StoreError> {
@@ -215,7 +218,10 @@ impl RobotStore for Sqlite {
 
     async fn delete(&self, id: &RobotId, expected: Option<String>) -> Result<(), StoreError> {
         let (inner, id) = (Arc::clone(&self.0), id.clone());
-        finished(tokio::spawn(async move { inner.delete(&id, expected.as_deref()).await })).await
+        finished(tokio::spawn(
+            async move { inner.delete(&id, expected.as_deref()).await },
+        ))
+        .await
     }
 }
 
@@ -314,7 +320,11 @@ async fn begin(connection: &mut SqliteConnection) -> Result<(), StoreError> {
 /// Commits what went well, and takes back what did not.
 async fn end(connection: &mut SqliteConnection, result: Result<(), StoreError>) -> Result<(), StoreError> {
     let ended = match result {
-        Ok(()) => sqlx::query("COMMIT").execute(&mut *connection).await.map(drop).map_err(failed),
+        Ok(()) => sqlx::query("COMMIT")
+            .execute(&mut *connection)
+            .await
+            .map(drop)
+            .map_err(failed),
         Err(error) => Err(error),
     };
     if ended.is_err() {
@@ -354,7 +364,8 @@ async fn migrate(connection: &mut SqliteConnection) -> Result<(), StoreError> {
         .await
         .map_err(failed)?;
     if version > SCHEMA_VERSION {
-        let message = format!("the file has schema {version}, written by a newer version; this one knows {SCHEMA_VERSION}");
+        let message =
+            format!("the file has schema {version}, written by a newer version; this one knows {SCHEMA_VERSION}");
         return Err(StoreError::Broken(message.into()));
     }
     if version < SCHEMA_VERSION {

@@ -41,7 +41,7 @@ pub(super) fn model<'a>(document: &'a Document<'_>, lines: &'a Lines, findings: 
     if tag.name() != "robot" {
         findings.error(
             "urdf",
-            format!("the root element is <{}>, a URDF has <robot>", quoted(tag.name())),
+            format!("the root element is {}, a URDF's is \"robot\"", quoted(tag.name())),
         );
         return None;
     }
@@ -49,9 +49,9 @@ pub(super) fn model<'a>(document: &'a Document<'_>, lines: &'a Lines, findings: 
     for node in root.children().filter(Node::is_element) {
         if is_xacro(&node) {
             let message = format!(
-                "line {}: <xacro:{}>: expand the file with xacro first",
+                "line {}: the macro element {} is left in the file: expand it with xacro first",
                 lines.line(&node),
-                node.tag_name().name()
+                quoted(node.tag_name().name())
             );
             findings.error("urdf", message);
             continue;

@@ -11,7 +11,7 @@ fn what_is_not_a_urdf_is_told_apart() {
     check("", &["urdf", "XML"]);
     check("<robot", &["urdf", "XML"]);
     check("<robot>\n  <link name='a'>\n</robot>", &["not well-formed XML", "3:"]);
-    check("<sdf version='1.6'/>", &["<\"sdf\">, a URDF has <robot>"]);
+    check("<sdf version='1.6'/>", &["\"sdf\", a URDF's is \"robot\""]);
     check(
         "<!DOCTYPE robot [<!ENTITY a 'b'>]><robot>&a;</robot>",
         &["document type declaration"],
@@ -19,7 +19,7 @@ fn what_is_not_a_urdf_is_told_apart() {
     check("<robot/>", &["no <link>"]);
     check(
         "<robot xmlns:xacro='http://www.ros.org/wiki/xacro'>\n<xacro:macro name='m'/></robot>",
-        &["line 2", "expand the file with xacro"],
+        &["line 2", "\"macro\"", "expand it with xacro"],
     );
 }
 
