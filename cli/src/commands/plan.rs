@@ -13,7 +13,7 @@ use crate::{
     render::{
         csv,
         curves::Curves,
-        html, plan as tables,
+        html, infeasible, plan as tables,
         svg::{self, Heading},
         terminal_plot,
         words::Units,
@@ -171,7 +171,7 @@ pub(crate) async fn run(command: PlanCommand, client: &Client, io: &mut Io) -> R
     match &reply.outcome {
         Some(v1::plan_move_response::Outcome::Plan(plan)) => show(&args, &request, plan, &used, &robot, io)?,
         Some(v1::plan_move_response::Outcome::Infeasible(no)) => {
-            let text = tables::infeasible(no, &robot, io.terminal.colour);
+            let text = infeasible::evidence(no, &robot, io.terminal.colour);
             // Whoever reads CSV must not find sentences in it.
             if args.output.csv {
                 io.remark(text.trim_end())?
