@@ -69,6 +69,7 @@ fn call_into(server: &str, line: &[&str], input: &str, output: Box<dyn Write>, e
         errors,
         terminal: Terminal {
             width: 80,
+            table_width: None,
             colour: false,
             error_colour: false,
         },

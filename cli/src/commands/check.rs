@@ -86,7 +86,7 @@ pub(crate) async fn run(args: CheckArgs, client: &Client, io: &mut Io) -> Result
     if args.json {
         context::print_json(&reply, io)?;
     } else {
-        io.print(&render::report(&reply, &robot, io.terminal.colour))?;
+        io.print(&render::report(&reply, &robot, io.terminal))?;
     }
     Ok(if reply.holds { exit::OK } else { exit::NO })
 }

@@ -244,7 +244,7 @@ fn show(
         let setpoints = plan.setpoints.clone().unwrap_or_default();
         io.print(&csv::setpoints(&setpoints))?;
     } else if !output.json {
-        io.print(&tables::plan(plan, used, robot, units, io.terminal.colour))?;
+        io.print(&tables::plan(plan, used, robot, units, io.terminal))?;
     }
     if !output.draws() {
         return Ok(());

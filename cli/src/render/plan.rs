@@ -8,6 +8,7 @@ use super::{
     table::{Cell, Table, Tone, aligned, paint},
     words::{self, JointUnit, Units},
 };
+use crate::io::Terminal;
 
 /// Below this margin a joint is marked as tight.
 const TIGHT: f64 = 0.02;
@@ -18,8 +19,9 @@ pub(crate) fn plan(
     provenance: &v1::Provenance,
     robot: &v1::Robot,
     units: Units,
-    colour: bool,
+    terminal: Terminal,
 ) -> String {
+    let colour = terminal.colour;
     let mut out = String::new();
     for (name, value, tone) in facts(plan) {
         let _ = writeln!(
@@ -35,11 +37,11 @@ pub(crate) fn plan(
     );
     let _ = writeln!(out, "{}  {revision}", paint("robot     ", Tone::Bold, colour));
     out.push('\n');
-    out.push_str(&motion(plan, robot, units).render(colour));
+    out.push_str(&motion(plan, robot, units).render_for(terminal));
     let margins = margins(&plan.torque_margins, robot);
     if !margins.is_empty() {
         out.push('\n');
-        out.push_str(&margins.render(colour));
+        out.push_str(&margins.render_for(terminal));
     }
     out.push_str(&warnings(&plan.warnings, colour));
     out
@@ -269,7 +271,7 @@ mod tests {
             &example::provenance(),
             &example::robot(),
             Units::default(),
-            false,
+            example::PAPER,
         );
         for part in [
             "duration    1.000 s  (verified method)",
@@ -296,7 +298,7 @@ mod tests {
             &example::provenance(),
             &example::robot(),
             Units { degrees: true },
-            false,
+            example::PAPER,
         );
         assert!(text.contains("move [deg or m]"), "{text}");
         assert!(row(&text, "turn", 0).contains("85.94"), "{text}");
@@ -309,7 +311,7 @@ mod tests {
             &v1::Provenance::default(),
             &v1::Robot::default(),
             Units::default(),
-            true,
+            example::PAPER,
         );
     }
 }
