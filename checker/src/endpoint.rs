@@ -10,6 +10,7 @@ use crate::arm::{Arm, Workspace};
 use crate::bounds::Bounds;
 use crate::draw::{self, Draw};
 use crate::statistics::quantile;
+use crate::tolerance;
 
 /// What the method starts from, one entry a joint, all magnitudes.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -77,9 +78,14 @@ fn first_calculation(distance: f64, velocity: f64, acceleration: f64, decelerati
 fn second_calculation(pattern: &Pattern, duration: f64, velocity: f64) -> Option<Pattern> {
     let (up, down) = (pattern.acceleration, pattern.deceleration);
     let harmonic = up * down / (up + down);
-    let cruise_time = (duration * duration - 2.0 * pattern.displacement / harmonic).sqrt();
+    let squared = duration * duration;
+    let left = squared - 2.0 * pattern.displacement / harmonic;
+    let cruise_time = match left.abs() <= tolerance::SAME_TIME * squared {
+        true => 0.0,
+        false => left.sqrt(),
+    };
     let peak_velocity = (duration - cruise_time) * harmonic;
-    if cruise_time.is_nan() || peak_velocity > velocity {
+    if cruise_time.is_nan() || peak_velocity > velocity * (1.0 + tolerance::SAME_TIME) {
         return None;
     }
     Some(Pattern {

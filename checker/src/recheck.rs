@@ -127,7 +127,7 @@ impl Checker {
             self.sweep(planned, duration, grid, &mut report);
             self.hold(planned, duration, &mut report);
             for (joint, tau) in report.joints.iter_mut().zip(&self.sample.tau) {
-                joint.holding_torque = *tau;
+                joint.holding_at_end = *tau;
             }
         }
         for (joint, bounds) in report.joints.iter_mut().zip(bounds) {
@@ -175,7 +175,7 @@ impl Checker {
         }
     }
 
-    /// Collects the times at which any joint switches, sorted, those closer than [`tolerance::SWITCHING`] as one.
+    /// Collects the times at which any joint switches, sorted, those closer than the tolerances say as one.
     fn find_switchings(&mut self, patterns: &[Pattern], duration: f64) {
         self.switchings.clear();
         if duration == 0.0 {
@@ -189,7 +189,12 @@ impl Checker {
             self.switchings.extend([cruise_from, brake_from, end]);
         }
         self.switchings.sort_by(f64::total_cmp);
-        let closest = tolerance::SWITCHING * duration;
+        let shortest_ramp = patterns
+            .iter()
+            .flat_map(|pattern| [pattern.acceleration_time, pattern.deceleration_time])
+            .filter(|time| *time > 0.0)
+            .fold(duration, f64::min);
+        let closest = (tolerance::SWITCHING * duration).min(tolerance::SWITCHING_OF_RAMP * shortest_ramp);
         self.switchings.dedup_by(|later, earlier| *later - *earlier <= closest);
     }
 
@@ -222,10 +227,17 @@ impl Checker {
         for list in [&mut sample.qd, &mut sample.qdd, &mut sample.direction] {
             list.fill(0.0);
         }
-        self.evaluate(time, report);
+        self.compute_torque(report);
+        let at_rest = report.duration == 0.0;
+        for (found, tau) in report.joints.iter_mut().zip(&self.sample.tau) {
+            found.holding.offer(*tau, time);
+            if at_rest {
+                found.torque.offer(*tau, time);
+            }
+        }
     }
 
-    fn evaluate(&mut self, time: f64, report: &mut Report) {
+    fn compute_torque(&mut self, report: &mut Report) {
         let sample = &mut self.sample;
         self.arm.drive_torque(
             &mut self.workspace,
@@ -236,6 +248,11 @@ impl Checker {
             &mut sample.tau,
         );
         report.sample_count += 1;
+    }
+
+    fn evaluate(&mut self, time: f64, report: &mut Report) {
+        self.compute_torque(report);
+        let sample = &self.sample;
         for (joint, found) in report.joints.iter_mut().enumerate() {
             let (qdd, direction) = (sample.qdd[joint], sample.direction[joint]);
             found.torque.offer(sample.tau[joint], time);

@@ -22,8 +22,11 @@ pub struct Report {
 /// The extremes of one joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointReport {
-    /// Drive torque of largest magnitude, signed, N m or N.
+    /// Drive torque of largest magnitude while the arm moves (or holds, in a move that takes no time), signed, N m or N.
     pub torque: Extreme,
+    /// Torque of largest magnitude that holds the arm still just before the start or just after the end, signed, N m or
+    /// N; at time 0 or the duration.
+    pub holding: Extreme,
     /// Velocity of largest magnitude, signed.
     pub velocity: Extreme,
     /// Acceleration of largest magnitude while speeding up, signed.
@@ -36,8 +39,8 @@ pub struct JointReport {
     pub highest: Extreme,
     /// Torque × velocity at the joint of largest magnitude, signed, W. It has no limit.
     pub power: Extreme,
-    /// Torque that holds the joint still at the end, N m or N.
-    pub holding_torque: f64,
+    /// Torque that holds the joint still just after the end, N m or N.
+    pub holding_at_end: f64,
     /// Integral of the squared torque over the motion, by trapezoids, N² m² s or N² s.
     pub squared_torque: f64,
     /// An eighth of the largest second difference of the torque between neighbouring samples, N m or N: by about so
@@ -86,9 +89,9 @@ impl Report {
         let found = &self.joints[joint];
         let cycle = cycle_time.max(self.duration);
         if cycle == 0.0 {
-            return found.holding_torque.abs();
+            return found.holding_at_end.abs();
         }
-        let held = found.holding_torque * found.holding_torque * (cycle - self.duration);
+        let held = found.holding_at_end * found.holding_at_end * (cycle - self.duration);
         ((found.squared_torque + held) / cycle).sqrt()
     }
 
@@ -137,6 +140,7 @@ impl JointReport {
         };
         Self {
             torque: limited(bounds.torque),
+            holding: limited(bounds.torque),
             velocity: limited(bounds.velocity),
             acceleration: limited(bounds.acceleration),
             deceleration: limited(bounds.deceleration),
@@ -148,9 +152,10 @@ impl JointReport {
 
     /// Every extreme with the limit that it is held against.
     #[must_use]
-    pub fn extremes(&self) -> [(LimitKind, Extreme); 6] {
+    pub fn extremes(&self) -> [(LimitKind, Extreme); 7] {
         [
             (LimitKind::Torque, self.torque),
+            (LimitKind::Torque, self.holding),
             (LimitKind::Velocity, self.velocity),
             (LimitKind::Acceleration, self.acceleration),
             (LimitKind::Deceleration, self.deceleration),
@@ -162,6 +167,7 @@ impl JointReport {
     pub(crate) fn judge(&mut self, bounds: &Bounds) {
         for extreme in [
             &mut self.torque,
+            &mut self.holding,
             &mut self.velocity,
             &mut self.acceleration,
             &mut self.deceleration,

@@ -5,7 +5,7 @@ use takt_checker::claims::{Figure, false_claims};
 use takt_checker::motion::Relation;
 use takt_checker::recheck::LengthMismatch;
 use takt_checker::{Bounds, Grid, Move, Report, recheck};
-use takt_motion::plan::outcome::{Fallback, LimitKind, Limiting, LimitingKind, MovePlan, Pattern, Phase, TorqueMargin};
+use takt_motion::plan::outcome::{Fallback, LimitKind, MovePlan, Pattern, Phase, TorqueMargin};
 use takt_motion::plan::request::{LimitOverride, Method, MoveRequest, Sampling};
 use takt_motion::robot::spec::{Drive, Friction, Inertial, JointKind, JointSpec, Limits, RobotSpec};
 
@@ -242,17 +242,33 @@ fn switching_times_apart_by_a_rounding_are_one() {
     // other may count.
     let together = check(|_, _| ());
     let apart = check(|_, patterns| {
-        patterns[1].acceleration_time += 1e-13;
-        patterns[1].cruise_time -= 1e-13;
+        patterns[1].acceleration_time += 2e-8;
+        patterns[1].cruise_time -= 2e-8;
     });
+    assert_eq!(together.sample_count, apart.sample_count);
     let (one, other) = (together.joints[1].torque.value, apart.joints[1].torque.value);
     assert!((one - other).abs() < 1e-9, "{one} and {other}");
     let truly_apart = check(|_, patterns| {
-        patterns[1].acceleration_time += 1e-9;
-        patterns[1].cruise_time -= 1e-9;
-        patterns[1].acceleration /= 1.0 + 4e-9;
+        patterns[1].acceleration_time += 1e-6;
+        patterns[1].cruise_time -= 1e-6;
     });
     assert!(truly_apart.sample_count > apart.sample_count);
+}
+
+#[test]
+fn shortest_of_ramps_is_not_lost() {
+    // 1e-8 of the duration, and 2·(10 + 1e6) N.
+    let sudden = Pattern {
+        displacement: 0.015,
+        peak_velocity: 0.01,
+        acceleration: 1e6,
+        deceleration: 1e6,
+        acceleration_time: 1e-8,
+        cruise_time: 1.5 - 1e-8,
+        deceleration_time: 1e-8,
+    };
+    let report = report_on(&two_lifts(), &[Pattern::default(), sudden], &[0.25, 1.015]);
+    assert_eq!(report.joints[1].torque.value, 2.0 * (10.0 + 1e6));
 }
 
 #[test]
@@ -384,7 +400,7 @@ fn truthful_plan() -> MovePlan {
     };
     MovePlan {
         duration: 1.5,
-        preset_duration: 1.5,
+        preset_duration: Some(1.5),
         preset_derived: false,
         method: Method::Verified,
         fallback: Fallback::None,
@@ -393,13 +409,7 @@ fn truthful_plan() -> MovePlan {
             margin(0, 200.0, 175.0, rms(lower, 120.0), 1.0, 175.0),
             margin(1, 40.0, 24.0, rms(upper, 20.0), 0.5, 12.0),
         ],
-        limiting: Limiting {
-            kind: LimitingKind::Torque,
-            joint: 0,
-            time: 0.25,
-            phase: Phase::Acceleration,
-            utilization: 175.0 / 200.0,
-        },
+        limiting: None,
         raw_excess: 0.0,
         raw_duration: 1.5,
         override_safe: None,

@@ -9,6 +9,8 @@ pub mod kinematics;
 pub mod plan;
 pub mod robot;
 mod scalar;
+#[cfg(test)]
+mod test_arms;
 mod tolerance;
 mod trajectory;
 mod verify;

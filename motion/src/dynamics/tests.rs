@@ -1,71 +1,13 @@
-use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::path::PathTerms;
 use super::sweep::Sweep;
 use super::*;
-use crate::robot::spec::{Drive, Friction, Inertial, JointKind, JointSpec, Limits, RobotSpec};
+use crate::robot::spec::Inertial;
+use crate::test_arms::{random, random_arm, robot, values};
 
-/// A pseudo-random number in [-1, 1] (SplitMix64): the same ones in every run.
-fn random(state: &mut u64) -> f64 {
-    *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-    let mut z = *state;
-    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-}
-
-/// An arm with axes anywhere, every third joint prismatic, and drives.
 fn arm(count: usize, seed: u64) -> Robot {
-    let state = &mut seed.clone();
-    let vector = |state: &mut u64| Vector3::new(random(state), random(state), random(state));
-    let joints = (0..count)
-        .map(|i| {
-            let spread = Matrix3::from_fn(|_, _| random(state));
-            JointSpec {
-                name: format!("joint_{i}"),
-                kind: if i % 3 == 2 {
-                    JointKind::Prismatic
-                } else {
-                    JointKind::Revolute
-                },
-                parent_from_joint: Isometry3::new(vector(state), vector(state) * 2.0),
-                axis: vector(state).normalize(),
-                link: Inertial {
-                    mass: 1.5 + random(state),
-                    center_of_mass: vector(state),
-                    inertia: spread * spread.transpose() + Matrix3::identity() * 0.1,
-                },
-                limits: Limits::default(),
-                drive: Drive {
-                    gear_ratio: 40.0 * random(state),
-                    rotor_inertia: 1e-4,
-                    motor_friction: Friction {
-                        viscous: 1e-3,
-                        coulomb_positive: 0.02,
-                        coulomb_negative: 0.03,
-                    },
-                    ..Drive::default()
-                },
-            }
-        })
-        .collect();
-    let spec = RobotSpec {
-        joints,
-        link_from_tip: Isometry3::new(vector(state), vector(state)),
-        gravity: Vector3::new(1.0, -2.0, -9.0),
-        payload: Inertial {
-            mass: 2.0,
-            center_of_mass: vector(state),
-            inertia: Matrix3::identity() * 0.3,
-        },
-        tcp: Isometry3::identity(),
-        frames: Vec::new(),
-    };
-    Robot::new(spec, Vec::new()).unwrap()
-}
-
-fn values(count: usize, state: &mut u64) -> Vec<f64> {
-    (0..count).map(|_| 2.0 * random(state)).collect()
+    robot(random_arm(count, seed))
 }
 
 fn assert_close(a: &[f64], b: &[f64], tolerance: f64) {
@@ -81,7 +23,11 @@ fn inverse_dynamics_is_the_mass_matrix_times_acceleration_plus_the_bias() {
         let robot = arm(count, count as u64);
         let ws = &mut Workspace::new(&robot);
         let state = &mut 7;
-        let (q, qd, qdd) = (values(count, state), values(count, state), values(count, state));
+        let (q, qd, qdd) = (
+            values(count, 2.0, state),
+            values(count, 2.0, state),
+            values(count, 2.0, state),
+        );
         let (mut torque, mut bias) = (vec![0.0; count], vec![0.0; count]);
         rigid_torque(&robot, ws, &q, &qd, &qdd, &mut torque);
         rigid_torque(&robot, ws, &q, &qd, &vec![0.0; count], &mut bias);
@@ -100,7 +46,11 @@ fn forward_dynamics_inverts_the_drive_torque() {
         let robot = arm(count, 11 + count as u64);
         let ws = &mut Workspace::new(&robot);
         let state = &mut 3;
-        let (q, qd, qdd) = (values(count, state), values(count, state), values(count, state));
+        let (q, qd, qdd) = (
+            values(count, 2.0, state),
+            values(count, 2.0, state),
+            values(count, 2.0, state),
+        );
         let (mut torque, mut back) = (vec![0.0; count], vec![0.0; count]);
         drive_torque(&robot, ws, &q, &qd, &qdd, &mut torque);
         assert!(forward_dynamics(&robot, ws, &q, &qd, &torque, &mut back));
@@ -113,7 +63,7 @@ fn kinetic_energy_grows_by_the_power_of_the_torques() {
     let robot = arm(6, 5);
     let ws = &mut Workspace::new(&robot);
     let state = &mut 9;
-    let (q, qd, qdd) = (values(6, state), values(6, state), values(6, state));
+    let (q, qd, qdd) = (values(6, 2.0, state), values(6, 2.0, state), values(6, 2.0, state));
     let mut energy = |time: f64| {
         let at = |i: usize| q[i] + qd[i] * time + 0.5 * qdd[i] * time * time;
         let rate = |i: usize| qd[i] + qdd[i] * time;
@@ -165,7 +115,7 @@ fn path_terms_agree_with_inverse_dynamics_along_the_path() {
         let robot = arm(count, 30 + count as u64);
         let ws = &mut Workspace::new(&robot);
         let state = &mut 2;
-        let (start, direction) = (values(count, state), values(count, state));
+        let (start, direction) = (values(count, 2.0, state), values(count, 2.0, state));
         let s = [0.0, 0.2, 0.5, 0.9, 1.0];
         let mut terms = PathTerms::default();
         terms.compute(robot.chain(), &start, &direction, &s);
@@ -191,7 +141,7 @@ fn path_terms_agree_with_inverse_dynamics_along_the_path() {
 fn the_jacobian_is_the_derivative_of_the_pose() {
     let robot = arm(7, 8);
     let tcp = Isometry3::new(Vector3::new(0.1, 0.2, -0.1), Vector3::new(0.3, 0.1, 0.2));
-    let q = values(7, &mut 4);
+    let q = values(7, 2.0, &mut 4);
     let mut jacobian = vec![0.0; 42];
     crate::kinematics::jacobian(&robot, &q, &tcp, &mut jacobian);
     let step = 1e-6;

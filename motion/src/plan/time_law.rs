@@ -8,10 +8,16 @@
 use crate::tolerance::CRUISE_MIN;
 
 /// Steps of the coarse search over the cruise speed.
-const COARSE_STEPS: usize = 32;
+const COARSE_STEPS: usize = 20;
 
-/// Steps of the golden-section search: they narrow the bracket to 1e-7 of it.
-const GOLDEN_STEPS: usize = 33;
+/// Steps of the golden-section search: they narrow the bracket to a thousandth of it, and the duration is flat there.
+const GOLDEN_STEPS: usize = 14;
+
+/// Halvings between the fastest speed that holds and the slowest that does not, where the optimum is at the edge.
+const EDGE_STEPS: usize = 20;
+
+/// How far from a known law the next one is looked for, as part of its speed.
+const NEAR: f64 = 0.02;
 
 /// 1/φ.
 const GOLDEN: f64 = 0.618_033_988_749_894_8;
@@ -122,7 +128,10 @@ pub(super) fn fastest(bounds: &Bounds, velocity_max: f64, near: Option<&TimeLaw>
     }
     let fastest = velocity_max.min(search.up.reach[search.up.reach.len() - 1].sqrt());
     if let Some(near) = near
-        && let Some(law) = search.around(near.velocity * 0.97, (near.velocity * 1.03).min(fastest))
+        && let Some(law) = search.around(
+            near.velocity * (1.0 - NEAR),
+            (near.velocity * (1.0 + NEAR)).min(fastest),
+        )
     {
         return Some(law);
     }
@@ -197,45 +206,89 @@ impl Search<'_> {
         })
     }
 
-    /// The fastest law between two cruise speeds, by golden section; speeds that break a bound count as endless.
+    /// The fastest law between two cruise speeds: golden section, then, where the best speed borders on speeds that break
+    /// a bound, halving towards the border.
     fn around(&self, low: f64, high: f64) -> Option<TimeLaw> {
+        let mut seen = Seen::default();
         let (mut low, mut high) = (low, high);
-        let mut best = [low, high]
-            .map(|velocity| (self.duration(velocity), velocity))
-            .into_iter()
-            .min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let probe = |velocity: f64, best: &mut (f64, f64)| {
-            let duration = self.duration(velocity);
-            if duration < best.0 {
-                *best = (duration, velocity);
-            }
-            duration
-        };
-        let mut left = high - GOLDEN * (high - low);
-        let mut right = low + GOLDEN * (high - low);
-        let mut at_left = probe(left, &mut best);
-        let mut at_right = probe(right, &mut best);
+        for end in [low, high] {
+            seen.add(end, self.duration(end));
+        }
         for _ in 0..GOLDEN_STEPS {
-            if at_left <= at_right && at_left.is_finite() {
-                (high, right, at_right) = (right, left, at_left);
-                left = high - GOLDEN * (high - low);
-                at_left = probe(left, &mut best);
-            } else if at_right.is_finite() {
-                (low, left, at_left) = (left, right, at_right);
-                right = low + GOLDEN * (high - low);
-                at_right = probe(right, &mut best);
+            let left = high - GOLDEN * (high - low);
+            let right = low + GOLDEN * (high - low);
+            let at_left = seen.of(left, self);
+            let at_right = seen.of(right, self);
+            // where both break a bound, what is possible lies below
+            if at_left <= at_right {
+                high = right;
             } else {
-                // both speeds break a bound: what is possible lies below
-                high = left;
-                left = high - GOLDEN * (high - low);
-                right = low + GOLDEN * (high - low);
-                at_left = probe(left, &mut best);
-                at_right = probe(right, &mut best);
+                low = left;
             }
         }
-        if best.0 == f64::INFINITY {
+        for _ in 0..EDGE_STEPS {
+            if seen.broken == f64::INFINITY {
+                break;
+            }
+            let middle = 0.5 * (seen.velocity + seen.broken);
+            let duration = self.duration(middle);
+            if duration.is_finite() && duration >= seen.duration {
+                break;
+            }
+            seen.add(middle, duration);
+        }
+        if seen.duration == f64::INFINITY {
             return None;
         }
-        self.law(best.1)
+        self.law(seen.velocity)
+    }
+}
+
+/// What a search has seen: the best speed, and the slowest speed above it that breaks a bound.
+struct Seen {
+    velocity: f64,
+    duration: f64,
+    broken: f64,
+    /// The last two probes: a golden section meets one of them again.
+    last: [(f64, f64); 2],
+}
+
+impl Default for Seen {
+    fn default() -> Self {
+        Self {
+            velocity: 0.0,
+            duration: f64::INFINITY,
+            broken: f64::INFINITY,
+            last: [(0.0, f64::INFINITY); 2],
+        }
+    }
+}
+
+impl Seen {
+    fn add(&mut self, velocity: f64, duration: f64) {
+        if duration < self.duration {
+            self.velocity = velocity;
+            self.duration = duration;
+            if self.broken <= velocity {
+                self.broken = f64::INFINITY;
+            }
+        } else if duration == f64::INFINITY && velocity > self.velocity {
+            self.broken = self.broken.min(velocity);
+        }
+    }
+
+    /// The duration at a speed, computed only where it is new.
+    fn of(&mut self, velocity: f64, search: &Search<'_>) -> f64 {
+        if let Some((_, duration)) = self
+            .last
+            .iter()
+            .find(|(known, _)| (known - velocity).abs() <= velocity * 1.0e-12)
+        {
+            return *duration;
+        }
+        let duration = search.duration(velocity);
+        self.add(velocity, duration);
+        self.last = [self.last[1], (velocity, duration)];
+        duration
     }
 }

@@ -22,7 +22,8 @@ use super::{Failure, feasible};
 use crate::budget::Budget;
 use crate::dynamics::path::PathTerms;
 use crate::tolerance::{
-    EXCHANGE_ROUNDS, INTERVALS_MIN, PATH_ACCELERATION_MAX, PLAN_RESERVE, RATE_RESERVE, SAMPLE_TRAVEL, VERIFY_RESERVE,
+    CRUISE_MIN, EXCHANGE_ROUNDS, INTERVALS_MIN, PATH_ACCELERATION_MAX, PLAN_RESERVE, RATE_RESERVE, SAMPLE_TRAVEL,
+    VERIFY_RESERVE,
 };
 use crate::trajectory::Trajectory;
 use crate::verify::{Verification, Verifier};
@@ -230,7 +231,13 @@ impl<'a> Path<'a> {
     fn patterns(&self, law: &TimeLaw) -> Vec<Pattern> {
         let up = law.velocity / law.acceleration;
         let down = law.velocity / law.deceleration;
-        let cruise = ((1.0 - law.ramp_up() - law.ramp_down()) / law.velocity).max(0.0);
+        let part = 1.0 - law.ramp_up() - law.ramp_down();
+        // what rounding leaves of a triangle's cruise is none
+        let cruise = if part < 0.5 * CRUISE_MIN {
+            0.0
+        } else {
+            part / law.velocity
+        };
         (0..self.problem.start.len())
             .map(|joint| {
                 if !self.problem.moves(joint) {
