@@ -111,7 +111,11 @@ impl Findings {
         if value.is_finite() {
             return value;
         }
-        self.push(path, format!("{value} is not a finite number"));
+        if self.found.len() < KEPT {
+            self.push(path, format!("{value} is not a finite number"));
+        } else {
+            self.dropped += 1;
+        }
         0.0
     }
 

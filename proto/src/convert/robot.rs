@@ -1,7 +1,10 @@
 //! Robot descriptions in, registered robots out.
 
+mod findings;
+
+use std::collections::HashSet;
+
 use takt_motion::{
-    Invalid,
     nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3},
     robot::{
         description::{Description, DhConvention, DhLink, DriveEntry, FrictionEntry, JointEntry, Kinematics},
@@ -9,6 +12,7 @@ use takt_motion::{
     },
 };
 
+pub use self::findings::{finding_on_description, finding_on_spec};
 use super::{Findings, Path, quoted};
 use crate::v1;
 
@@ -198,12 +202,13 @@ fn drive_entry(wire: &v1::Drive, at: Path<'_>, findings: &mut Findings) -> Drive
 }
 
 fn frames(wire: &[v1::Frame], at: Path<'_>, findings: &mut Findings) -> Vec<(String, Isometry3<f64>)> {
-    let mut frames: Vec<(String, Isometry3<f64>)> = Vec::with_capacity(wire.len());
+    let mut frames = Vec::with_capacity(wire.len());
+    let mut names = HashSet::new();
     for (index, frame) in wire.iter().enumerate() {
         let at = at.index(index);
         if frame.name.is_empty() {
             findings.push(at.field("name"), "must be given");
-        } else if frames.iter().any(|(name, _)| *name == frame.name) {
+        } else if !names.insert(frame.name.as_str()) {
             findings.push(at.field("name"), format!("{} is there twice", quoted(&frame.name)));
         }
         let pose = match &frame.pose {
@@ -364,57 +369,4 @@ fn friction_to_wire(side: v1::friction::Side, friction: &Friction) -> v1::Fricti
         coulomb_positive: Some(friction.coulomb_positive),
         coulomb_negative: Some(friction.coulomb_negative),
     }
-}
-
-/// A finding on the resolved arm, where joints stand in model order, as a finding on the description that it came from.
-#[must_use]
-pub fn finding_on_spec(invalid: Invalid, spec: &RobotSpec, wire: &v1::RobotDescription) -> Invalid {
-    let Some((index, rest)) = indexed("joints", &invalid.path) else {
-        return finding_on_description(invalid, wire);
-    };
-    let Some(joint) = spec.joints.get(index) else {
-        return invalid;
-    };
-    let entry = wire.joints.iter().position(|entry| entry.name == joint.name);
-    let row = wire.dh.as_ref();
-    let row = row.and_then(|table| table.links.iter().position(|row| row.name == joint.name));
-    let on_link = rest.strip_prefix("link");
-    let path = match (on_link, entry, row) {
-        (Some(rest), _, Some(row)) => format!("dh.links[{row}]{rest}"),
-        (None, Some(entry), _) => format!("joints[{entry}]{}{rest}", if rest.is_empty() { "" } else { "." }),
-        (_, None, Some(row)) => format!("dh.links[{row}]"),
-        _ => "urdf".to_owned(),
-    };
-    let message = format!("joint {}: {}", quoted(&joint.name), invalid.message);
-    finding_on_description(Invalid::new(path, message), wire)
-}
-
-/// A finding on the domain's description with the names that the wire has for its fields.
-#[must_use]
-pub fn finding_on_description(mut invalid: Invalid, wire: &v1::RobotDescription) -> Invalid {
-    let Some((index, rest)) = indexed("joints", &invalid.path) else {
-        return invalid;
-    };
-    let sides = [
-        ("drive.motor_friction", v1::friction::Side::Motor),
-        ("drive.joint_friction", v1::friction::Side::Joint),
-    ];
-    for (name, side) in sides {
-        let Some(below) = rest.strip_prefix(name) else {
-            continue;
-        };
-        let drive = wire.joints.get(index).and_then(|joint| joint.drive.as_ref());
-        let entry = drive.and_then(|drive| drive.friction.iter().position(|entry| entry.side == i32::from(side)));
-        let entry = entry.map_or(String::new(), |entry| format!("[{entry}]"));
-        invalid.path = format!("joints[{index}].drive.friction{entry}{below}");
-        return invalid;
-    }
-    invalid
-}
-
-/// The index and the rest of a path that begins with an entry of a list.
-fn indexed<'a>(list: &str, path: &'a str) -> Option<(usize, &'a str)> {
-    let rest = path.strip_prefix(list)?.strip_prefix('[')?;
-    let (index, rest) = rest.split_once(']')?;
-    Some((index.parse().ok()?, rest.strip_prefix('.').unwrap_or(rest)))
 }

@@ -168,6 +168,28 @@ async fn too_many_requests_are_refused_at_once() {
 }
 
 #[tokio::test]
+async fn the_bytes_of_all_requests_together_are_limited() {
+    let limits = Limits {
+        max_bytes_in_work: 200,
+        ..Limits::default()
+    };
+    let server = Running::with(Config {
+        limits,
+        ..Config::default()
+    })
+    .await;
+    let path = "/v1/robots/ur5e:forwardKinematics";
+    assert_eq!(server.post(path, POSE).await.status, 200);
+    let long = format!("{POSE}{}", " ".repeat(200));
+    let reply = server.post(path, &long).await;
+    assert_eq!(reply.status, 429, "{reply:?}");
+    let mut client = DynamicsServiceClient::new(server.channel().await);
+    let status = client.inverse_dynamics(states(20)).await.unwrap_err();
+    assert_eq!(status.code(), tonic::Code::ResourceExhausted);
+    assert_eq!(server.post(path, POSE).await.status, 200);
+}
+
+#[tokio::test]
 async fn a_burst_from_idle_is_served() {
     let server = Running::start().await;
     let channel = server.channel().await;
