@@ -42,6 +42,9 @@ pub(crate) const PATH_ACCELERATION_MAX: f64 = 1.0e8;
 /// Shorter than this part of the way, a cruise is left out: the pattern is a triangle.
 pub(crate) const CRUISE_MIN: f64 = 1.0e-6;
 
+/// Relative rounding of a difference of squared times, where it stands for 0: a few hundred units in the last place.
+pub(crate) const SQUARE_ROUNDING: f64 = 1.0e-12;
+
 /// Joint travel below which a joint counts as standing still, rad or m: far below any encoder's step.
 pub(crate) const TRAVEL_MIN: f64 = 1.0e-12;
 

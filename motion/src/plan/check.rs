@@ -62,7 +62,7 @@ pub fn check_trajectory(robot: &Robot, request: &CheckRequest, budget: &Budget<'
             &verification,
             duration,
             cycle_time,
-            &last.position,
+            &[(duration, &last.position)],
             |joint, demand| phase(&motion, joint, demand),
         ),
         limit_uses,
