@@ -9,7 +9,7 @@ use prost::Message;
 use takt_motion::{
     Invalid,
     budget::Budget,
-    plan::{self, outcome::MoveOutcome, request::CheckRequest},
+    plan::{self, outcome::MoveOutcome},
     robot::{Robot, urdf_writer},
 };
 use takt_proto::{
@@ -215,34 +215,6 @@ fn check_setpoints(outcome: &MoveOutcome, limits: &Limits) -> Result<(), Service
     }
 }
 
-/// Farthest that the joints of a trajectory may travel in all, rad or m: the check looks at it in fixed steps.
-const LONGEST_TRAVEL: f64 = 2e4;
-
-/// Refuses a trajectory whose check would take more memory than there is: a point's speed and acceleration alone can
-/// swing a joint millions of turns away and back.
-fn check_travel(request: &CheckRequest) -> Result<(), ServiceError> {
-    // Bounds of the swing that an end's speed and acceleration bring into a cubic or quintic segment.
-    const BY_VELOCITY: f64 = 0.5;
-    const BY_ACCELERATION: f64 = 0.1;
-    let sum = |values: &[f64]| values.iter().map(|value| value.abs()).sum::<f64>();
-    let mut travel = 0.0;
-    for (index, ends) in request.points.windows(2).enumerate() {
-        let (from, to) = (&ends[0], &ends[1]);
-        let span = to.time - from.time;
-        let rise = from.position.iter().zip(&to.position);
-        travel += rise.map(|(from, to)| (to - from).abs()).sum::<f64>();
-        travel += BY_VELOCITY * span * (sum(&from.velocity) + sum(&to.velocity));
-        travel += BY_ACCELERATION * span * span * (sum(&from.acceleration) + sum(&to.acceleration));
-        if travel > LONGEST_TRAVEL || travel.is_nan() {
-            let path = format!("trajectory.points[{}]", index + 1);
-            let message =
-                format!("up to here the joints may travel {travel:.0} rad or m in all, the most is {LONGEST_TRAVEL}");
-            return Err(ServiceError::invalid(vec![Invalid::new(path, message)]));
-        }
-    }
-    Ok(())
-}
-
 /// What the bounds of requests and models should have kept out.
 fn not_finite() -> ServiceError {
     ServiceError::internal("the answer has a number that is not finite: this is a fault of the service")
@@ -287,7 +259,6 @@ pub(crate) fn check_trajectory(
         );
     }
     let (robot, request) = checked(findings, robot, request)?;
-    check_travel(&request)?;
     let report = plan::check_trajectory(&robot.robot, &request, budget).map_err(|failure| failed(failure, deadline))?;
     if !finite::report(&report) {
         return Err(not_finite());
