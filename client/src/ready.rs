@@ -1,8 +1,7 @@
 //! Whether the service takes requests: a question to every endpoint, asked once.
 
-use http::{Request, StatusCode};
+use http::StatusCode;
 use tokio::time::timeout;
-use tonic::body::Body;
 
 use crate::{
     client::{Client, Endpoint},
@@ -27,10 +26,8 @@ impl Client {
     }
 
     async fn ask_ready(&self, endpoint: &Endpoint) -> Result<(), Error> {
-        let request = Request::get(format!("{}/readyz", endpoint.name))
-            .body(Body::empty())
-            .map_err(|error| Error::refused("endpoint", error.to_string()))?;
-        let reply = self.shared.pool.request(request).await.map_err(|error| {
+        let request = self.shared.http1.get(format!("{}/readyz", endpoint.name));
+        let reply = request.send().await.map_err(|error| {
             let (message, _) = connection::describe(&error);
             Error::transport(message, error)
         })?;
