@@ -1,0 +1,4 @@
+//! The service as its callers see it: a real server on a free port, asked over both protocols.
+
+mod oracle;
+mod plan;
