@@ -1,10 +1,12 @@
 //! The HTTP/JSON transport.
 
-use std::time::Duration;
+use std::{io, time::Duration};
 
 use bytes::Bytes;
 use http::{HeaderMap, Request, StatusCode, Uri, header};
 use http_body_util::{BodyExt, Full, LengthLimitError, Limited};
+use serde::Serialize;
+use serde_json::ser::Formatter;
 use takt_proto::error as wire;
 use tonic::body::Body;
 
@@ -29,7 +31,7 @@ pub(crate) async fn send<R: Rpc>(
     let route = rpc::http_route::<R>(request);
     let body = match &route.body {
         None => Bytes::new(),
-        Some(message) => serde_json::to_vec(message)
+        Some(message) => to_json(message)
             .map_err(|error| Error::refused("request", format!("cannot be written as JSON: {error}")))?
             .into(),
     };
@@ -68,6 +70,23 @@ pub(crate) async fn send<R: Rpc>(
             .map_err(|error| Error::answered(Code::Internal, format!("the reply is not understood: {error}")))
     } else {
         Err(from_reply(parts.status, &parts.headers, &bytes))
+    }
+}
+
+/// A message as JSON.
+fn to_json(message: &impl Serialize) -> serde_json::Result<Vec<u8>> {
+    let mut json = Vec::new();
+    message.serialize(&mut serde_json::Serializer::with_formatter(&mut json, Honest))?;
+    Ok(json)
+}
+
+/// Writes JSON as usual, but for numbers that are not finite: JSON has none, and `null` in their place would be read as
+/// "not given". Messages have no other nulls, so that the service refuses the field by its name.
+struct Honest;
+
+impl Formatter for Honest {
+    fn write_null<W: ?Sized + io::Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        writer.write_all(b"\"NaN\"")
     }
 }
 

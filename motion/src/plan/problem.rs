@@ -99,7 +99,6 @@ impl Problem {
             if let Some(message) = outside(*target, lower, upper) {
                 let message = format!("joint \"{}\": {message}", self.name(joint));
                 wrong.push(Invalid::new(format!("target.position[{joint}]"), message));
-                continue;
             }
             let Some(message) = outside(self.start[joint], lower, upper) else {
                 continue;

@@ -5,6 +5,7 @@ use takt_motion::{
     nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3},
     robot::{
         description::{Description, DhConvention, DhLink, DriveEntry, FrictionEntry, JointEntry, Kinematics},
+        resolve,
         spec::{Drive, Friction, Inertial, JointKind, Limits, RobotSpec},
     },
 };
@@ -232,17 +233,29 @@ pub fn payload(wire: &v1::Payload, at: Path<'_>, findings: &mut Findings) -> Ine
         }
     };
     let center = findings.vector(at.field("center_of_mass_m"), &wire.center_of_mass_m);
-    Inertial {
+    let body = Inertial {
         mass,
         center_of_mass: center.unwrap_or_else(Vector3::zeros),
         inertia: inertia(&wire.inertia_kg_m2, at.field("inertia_kg_m2"), findings),
-    }
+    };
+    // What is missing or not finite has been named, and stands as 0 here.
+    findings.extend(below(at, resolve::payload_faults(&body)));
+    body
+}
+
+fn below(at: Path<'_>, faults: Vec<Invalid>) -> Vec<Invalid> {
+    let faults = faults.into_iter();
+    faults.map(|fault| fault.below(&at.to_string())).collect()
 }
 
 /// Reads a tool: its centre point.
 pub fn tool(wire: &v1::Tool, at: Path<'_>, findings: &mut Findings) -> Isometry3<f64> {
     match &wire.tcp {
-        Some(tcp) => pose(tcp, at.field("tcp"), findings),
+        Some(tcp) => {
+            let tcp = pose(tcp, at.field("tcp"), findings);
+            findings.extend(below(at, resolve::tool_faults(&tcp)));
+            tcp
+        }
         None => Isometry3::identity(),
     }
 }
