@@ -1,4 +1,5 @@
 //! The service as its callers see it: a real server on a free port, asked over both protocols.
 
+mod bad_inputs;
 mod oracle;
 mod plan;
