@@ -10,7 +10,7 @@ use std::{
 };
 
 use http::Uri;
-use takt_proto::v1;
+use takt_proto::{id::RobotId, v1};
 use tokio::time::Instant;
 
 use crate::{
@@ -131,9 +131,9 @@ impl Client {
     }
 
     async fn call<R: Rpc>(&self, request: R::Request) -> Result<R::Response, Error> {
-        // Over HTTP an empty id would be another route.
-        if R::robot_id(&request) == Some("") {
-            return Err(Error::refused("robot_id", "must not be empty"));
+        // What is no id could be another path over HTTP; both transports refuse it with the same words.
+        if let Some(id) = R::robot_id(&request) {
+            RobotId::parse(id).map_err(|why| Error::refused("robot_id", why))?;
         }
         let shared = &self.shared;
         let order = self.order();

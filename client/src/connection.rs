@@ -11,11 +11,11 @@ use tonic::body::Body;
 /// A pool of connections to any number of endpoints.
 pub(crate) type Pool = legacy::Client<HttpConnector, Body>;
 
-/// How long an idle connection is asked for a sign of life, and how long the sign may take.
-const KEEP_ALIVE_INTERVAL: Duration = Duration::from_secs(10);
-const KEEP_ALIVE_TIMEOUT: Duration = Duration::from_secs(5);
+/// How often a quiet connection is asked for a sign of life, and how long the sign may take.
+const KEEP_ALIVE_INTERVAL: Duration = Duration::from_secs(5);
+const KEEP_ALIVE_TIMEOUT: Duration = Duration::from_secs(3);
 /// How long sent data may stay without acknowledgement before the connection counts as dead.
-const UNACKNOWLEDGED_TIMEOUT: Duration = Duration::from_secs(10);
+const UNACKNOWLEDGED_TIMEOUT: Duration = Duration::from_secs(8);
 /// How long an unused connection is kept.
 const IDLE_TIMEOUT: Duration = Duration::from_secs(90);
 /// Room for long trajectories to come in without waiting for window updates.
@@ -42,6 +42,8 @@ pub(crate) fn http2(connect_timeout: Duration) -> Pool {
         .http2_only(true)
         .http2_keep_alive_interval(KEEP_ALIVE_INTERVAL)
         .http2_keep_alive_timeout(KEEP_ALIVE_TIMEOUT)
+        // A peer that died between two calls must not cost the second one its deadline.
+        .http2_keep_alive_while_idle(true)
         .http2_initial_stream_window_size(STREAM_WINDOW)
         .http2_initial_connection_window_size(CONNECTION_WINDOW)
         .build(connector(connect_timeout))

@@ -492,10 +492,18 @@ async fn a_reply_over_the_limit_is_refused() {
 }
 
 #[tokio::test]
-async fn an_empty_robot_id_is_refused_before_anything_is_sent() {
+async fn what_is_no_robot_id_is_refused_before_anything_is_sent() {
     let fake = Fake::new("a", &[Act::Answer]);
     let client = client(Transport::Http, &[&fake.serve().await]);
-    let error = client.plan_move(v1::PlanMoveRequest::default()).await.unwrap_err();
-    assert_eq!(error.violations()[0].field, "robot_id");
+    for id in ["", "a/b", "a?b", "..", "a:planMove"] {
+        let error = client
+            .plan_move(v1::PlanMoveRequest {
+                robot_id: id.to_owned(),
+                ..request()
+            })
+            .await
+            .unwrap_err();
+        assert_eq!(error.violations()[0].field, "robot_id");
+    }
     assert_eq!(fake.seen(), 0);
 }

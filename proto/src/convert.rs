@@ -5,7 +5,7 @@ pub mod dynamics;
 pub mod plan;
 pub mod robot;
 
-use std::fmt;
+use std::{fmt, ops::RangeInclusive};
 
 use takt_motion::{Invalid, nalgebra};
 
@@ -113,7 +113,11 @@ impl Findings {
         if value.is_finite() {
             return value;
         }
-        self.push(path, format!("{value} is not a finite number"));
+        if self.found.len() < KEPT {
+            self.push(path, format!("{value} is not a finite number"));
+        } else {
+            self.dropped += 1;
+        }
         0.0
     }
 
@@ -176,26 +180,41 @@ impl Findings {
     /// A part of a whole, above 0 up to 1; absent: 1.
     pub fn fraction(&mut self, path: Path<'_>, value: Option<f64>) -> f64 {
         let Some(value) = value else { return 1.0 };
-        if !value.is_finite() {
-            return self.finite(path, value);
-        }
-        if value <= 0.0 || value > 1.0 {
-            self.push(path, format!("{value} must be above 0 and at most 1"));
-        }
-        value
+        self.within(path, value, SMALLEST..=1.0, "")
     }
 
-    /// A finite number above 0; absent: `None`.
+    /// A number above 0 that can be computed with; absent: `None`.
     pub fn positive_option(&mut self, path: Path<'_>, value: Option<f64>, unit: &str) -> Option<f64> {
-        let value = value?;
-        if !value.is_finite() {
-            self.finite(path, value);
-        } else if value <= 0.0 {
-            self.push(path, format!("{value}{unit} must be positive"));
+        value.map(|value| self.within(path, value, SMALLEST..=LARGEST, unit))
+    }
+
+    /// A finite number within a range.
+    pub fn within(&mut self, path: Path<'_>, value: f64, range: RangeInclusive<f64>, unit: &str) -> f64 {
+        if value.is_finite() && !range.contains(&value) {
+            let (least, most) = (range.start(), range.end());
+            let message = format!("{value}{unit} must be at least {least}{unit} and at most {most}{unit}");
+            self.push(path, message);
         }
-        Some(value)
+        self.finite(path, value)
+    }
+
+    /// Finite numbers, each at most so large either way.
+    pub fn at_most(&mut self, path: Path<'_>, values: &[f64], most: f64) {
+        for (index, &value) in values.iter().enumerate() {
+            if value.is_finite() && value.abs() > most && self.found.len() < KEPT {
+                let message = format!("{value} must be at most {most} either way");
+                self.push(path.index(index), message);
+            }
+        }
     }
 }
+
+/// Smallest positive number that a request may state: squares of smaller ones leave what can be computed with. The
+/// model's own limits begin here too.
+const SMALLEST: f64 = 1e-9;
+
+/// Largest limit or time that a request may state, where the model has none.
+const LARGEST: f64 = 1e12;
 
 /// A caller's text for a message: quoted, and cut where it is long.
 #[must_use]

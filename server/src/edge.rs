@@ -15,13 +15,13 @@ use std::{
 
 use futures::FutureExt;
 use http::{HeaderMap, HeaderName, HeaderValue, Request, Response, header};
-use hyper::body::Incoming;
 use takt_proto::error::{Error, ErrorCode};
 use tokio::sync::Semaphore;
 use tonic::body::Body;
 use tracing::{Instrument, Span, field::Empty};
 
 use crate::{
+    body::{Budget, Incoming},
     config::Limits,
     error::ServiceError,
     grpc::{self, Grpc},
@@ -50,6 +50,7 @@ pub(crate) struct Edge {
     http: Http,
     limits: Limits,
     in_work: Semaphore,
+    bytes: Arc<Budget>,
     ids: Ids,
 }
 
@@ -63,13 +64,14 @@ impl Edge {
             grpc: Grpc::new(Arc::clone(&service), &health, limits.max_request_bytes)?,
             http: Http::new(service, health, limits.max_request_bytes),
             in_work: Semaphore::new(limits.max_concurrent_requests),
+            bytes: Budget::new(limits.max_bytes_in_work),
             limits,
             ids: Ids::default(),
         })
     }
 
     /// Answers one request, whatever happens.
-    pub(crate) async fn handle(&self, request: Request<Incoming>) -> Response<Body> {
+    pub(crate) async fn handle(&self, request: Request<hyper::body::Incoming>) -> Response<Body> {
         let started = Instant::now();
         let is_grpc = is_grpc(request.headers());
         let id = self.ids.of(request.headers());
@@ -90,7 +92,10 @@ impl Edge {
         }
     }
 
-    async fn admit(&self, mut request: Request<Incoming>, is_grpc: bool, now: Instant) -> Response<Body> {
+    async fn admit(&self, request: Request<hyper::body::Incoming>, is_grpc: bool, now: Instant) -> Response<Body> {
+        let (head, body) = request.into_parts();
+        let (body, _held) = self.bytes.counted(body);
+        let mut request = Request::from_parts(head, body);
         if is_probe(request.uri().path()) {
             return self
                 .dispatch(
@@ -179,7 +184,7 @@ fn log(response: &Response<Body>, request_id: &HeaderValue, elapsed: Duration) {
     }
 }
 
-fn span(request: &Request<Incoming>, is_grpc: bool, id: &HeaderValue) -> Span {
+fn span(request: &Request<hyper::body::Incoming>, is_grpc: bool, id: &HeaderValue) -> Span {
     tracing::debug_span!(
         "request",
         id = id.to_str().unwrap_or(""),

@@ -4,7 +4,6 @@ use std::{convert::Infallible, sync::Arc};
 
 use async_trait::async_trait;
 use http::{Request, Response};
-use hyper::body::Incoming;
 use takt_proto::{
     DESCRIPTOR,
     error::ErrorCode,
@@ -18,6 +17,7 @@ use tonic_health::{pb::health_server::HealthServer, server::HealthService};
 use tower::{Service as _, util::BoxCloneSyncService};
 
 use crate::{
+    body::Incoming,
     edge::{SERVER_TIMING, server_timing},
     error::ServiceError,
     health::Health,

@@ -10,7 +10,6 @@ use std::sync::Arc;
 use bytes::Bytes;
 use http::{HeaderValue, Method, Request, Response, StatusCode, header};
 use http_body_util::Full;
-use hyper::body::Incoming;
 use takt_motion::Invalid;
 use takt_proto::{
     convert::quoted,
@@ -22,6 +21,7 @@ use tonic::body::Body;
 
 use self::{json::Json, query::Query};
 use crate::{
+    body::Incoming,
     edge::{SERVER_TIMING, server_timing},
     error::ServiceError,
     health::Health,

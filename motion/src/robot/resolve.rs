@@ -192,32 +192,6 @@ fn check_payload(payload: Option<&Inertial>, findings: &mut Findings) {
     }
 }
 
-/// What is wrong with a payload that a request brings, with paths below the payload.
-#[must_use]
-pub fn payload_faults(payload: &Inertial) -> Vec<Invalid> {
-    let mut findings = Findings::default();
-    check_payload(Some(payload), &mut findings);
-    below("payload.", findings)
-}
-
-/// What is wrong with a tool that a request brings, with paths below the tool.
-#[must_use]
-pub fn tool_faults(tcp: &Isometry3<f64>) -> Vec<Invalid> {
-    let mut findings = Findings::default();
-    check_pose("tool.tcp", tcp, &mut findings);
-    below("tool.", findings)
-}
-
-/// The errors, with what their paths begin with taken off.
-fn below(parent: &str, findings: Findings) -> Vec<Invalid> {
-    let errors = findings.finish(Some(())).err().unwrap_or_default().into_iter();
-    let relative = errors.map(|error| match error.path.strip_prefix(parent) {
-        Some(path) => Invalid::new(path, error.message),
-        None => error,
-    });
-    relative.collect()
-}
-
 fn check_frames(frames: &[(String, Isometry3<f64>)], findings: &mut Findings) {
     if frames.len() > MAX_FRAMES {
         findings.error(

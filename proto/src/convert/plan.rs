@@ -7,7 +7,7 @@ use takt_motion::plan::{
     },
     request::{CheckRequest, Interpolation, LimitOverride, Method, MoveRequest, Sampling, TrajectoryPoint},
 };
-use takt_motion::robot::spec::RobotSpec;
+use takt_motion::robot::{JOINTS_MAX, spec::RobotSpec};
 
 use super::{Findings, Path, quoted, robot};
 use crate::v1;
@@ -63,6 +63,11 @@ fn limit_overrides(
     robot: Option<&RobotSpec>,
     findings: &mut Findings,
 ) -> Vec<LimitOverride> {
+    let most = robot.map_or(JOINTS_MAX, |robot| robot.joints.len());
+    if wire.len() > most {
+        findings.push(at, format!("has {} entries, one a joint is {most}", wire.len()));
+        return Vec::new();
+    }
     let mut limits: Vec<LimitOverride> = Vec::with_capacity(wire.len());
     for (index, limit) in wire.into_iter().enumerate() {
         let at = at.index(index);

@@ -5,15 +5,19 @@ use std::sync::Arc;
 use bytes::Bytes;
 use http::{HeaderMap, Request, Response, StatusCode, header};
 use http_body_util::{BodyExt, LengthLimitError, Limited};
-use hyper::body::Incoming;
 use prost::Message;
 use serde::{Serialize, de::DeserializeOwned};
 use takt_motion::Invalid;
-use takt_proto::{convert::quoted, error::ErrorCode, v1};
+use takt_proto::{
+    convert::quoted,
+    error::{Error, ErrorCode},
+    v1,
+};
 use tonic::body::Body;
 
 use super::{add_timing, body_response};
 use crate::{
+    body::Incoming,
     error::ServiceError,
     service::{Answer, Call, Service},
 };
@@ -100,6 +104,9 @@ impl Json {
             Ok(body) => Ok(body.to_bytes()),
             Err(error) if error.is::<LengthLimitError>() => Err(too_large()),
             Err(error) => {
+                if let Some(status) = error.downcast_ref::<tonic::Status>() {
+                    return Err(Error::from_status(status).into());
+                }
                 let message = format!("the body ended early: {error}");
                 Err(ServiceError::new(ErrorCode::InvalidRequest, message))
             }

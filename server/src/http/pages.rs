@@ -2,11 +2,10 @@
 
 use bytes::Bytes;
 use http::{Method, Request, Response, StatusCode};
-use hyper::body::Incoming;
 use tonic::body::Body;
 
 use super::body_response;
-use crate::{health::Health, openapi};
+use crate::{body::Incoming, health::Health, openapi};
 
 const HTML: &str = "text/html; charset=utf-8";
 const TEXT: &str = "text/plain; charset=utf-8";
