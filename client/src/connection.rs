@@ -8,8 +8,8 @@ use hyper_util::{
 };
 use tonic::body::Body;
 
-/// A pool of connections to any number of endpoints.
-pub(crate) type Pool = legacy::Client<HttpConnector, Body>;
+/// A pool of HTTP/2 connections to any number of endpoints, for gRPC.
+pub(crate) type Http2 = legacy::Client<HttpConnector, Body>;
 
 /// How often a quiet connection is asked for a sign of life, and how long the sign may take.
 const KEEP_ALIVE_INTERVAL: Duration = Duration::from_secs(5);
@@ -34,7 +34,7 @@ fn connector(connect_timeout: Duration) -> HttpConnector {
 }
 
 /// HTTP/2 without negotiation, as gRPC wants it.
-pub(crate) fn http2(connect_timeout: Duration) -> Pool {
+pub(crate) fn http2(connect_timeout: Duration) -> Http2 {
     legacy::Client::builder(TokioExecutor::new())
         .timer(TokioTimer::new())
         .pool_timer(TokioTimer::new())
@@ -50,12 +50,18 @@ pub(crate) fn http2(connect_timeout: Duration) -> Pool {
 }
 
 /// HTTP/1.1, which every proxy and every debugging tool understands.
-pub(crate) fn http1(connect_timeout: Duration) -> Pool {
-    legacy::Client::builder(TokioExecutor::new())
-        .timer(TokioTimer::new())
-        .pool_timer(TokioTimer::new())
-        .pool_idle_timeout(IDLE_TIMEOUT)
-        .build(connector(connect_timeout))
+pub(crate) fn http1(connect_timeout: Duration) -> reqwest::Result<reqwest::Client> {
+    let builder = reqwest::Client::builder()
+        .http1_only()
+        .redirect(reqwest::redirect::Policy::none())
+        .connect_timeout(connect_timeout)
+        .tcp_nodelay(true)
+        .tcp_keepalive(KEEP_ALIVE_INTERVAL)
+        .tcp_keepalive_interval(KEEP_ALIVE_TIMEOUT)
+        .pool_idle_timeout(IDLE_TIMEOUT);
+    #[cfg(any(target_os = "android", target_os = "fuchsia", target_os = "linux"))]
+    let builder = builder.tcp_user_timeout(UNACKNOWLEDGED_TIMEOUT);
+    builder.build()
 }
 
 /// The value of the header `grpc-timeout`: at most eight digits and a unit.
@@ -81,6 +87,9 @@ pub(crate) fn describe(error: &(dyn std::error::Error + 'static)) -> (String, bo
     let mut cause = error;
     loop {
         if let Some(error) = cause.downcast_ref::<legacy::Error>() {
+            unsent |= error.is_connect();
+        }
+        if let Some(error) = cause.downcast_ref::<reqwest::Error>() {
             unsent |= error.is_connect();
         }
         match cause.source() {

@@ -193,6 +193,11 @@ impl RobotService for Fake {
 }
 
 async fn http(fake: Fake, request: HttpRequest<hyper::body::Incoming>) -> HttpResponse<Body> {
+    if request.uri().path() == "/readyz" {
+        let ready = matches!(fake.next(None), Act::Answer);
+        let reply = HttpResponse::builder().status(if ready { 200 } else { 503 });
+        return reply.body(Body::empty()).unwrap();
+    }
     let timeout = request
         .headers()
         .get("request-timeout")
@@ -506,4 +511,18 @@ async fn what_is_no_robot_id_is_refused_before_anything_is_sent() {
         assert_eq!(error.violations()[0].field, "robot_id");
     }
     assert_eq!(fake.seen(), 0);
+}
+
+#[tokio::test]
+async fn readiness_is_asked_of_every_endpoint_once() {
+    for transport in BOTH {
+        let (ready, draining) = (Fake::new("a", &[Act::Answer]), Fake::new("b", &[Act::Unavailable]));
+        let (first, second) = (ready.serve().await, draining.serve().await);
+        client(transport, &[&first]).ready().await.unwrap();
+        let error = client(transport, &[&first, &second]).ready().await.unwrap_err();
+        assert_eq!((error.code(), error.endpoint()), (Code::Unavailable, second.as_str()));
+        assert_eq!((ready.seen(), draining.seen()), (2, 1), "{transport:?}");
+        let error = client(transport, &[&nowhere().await]).ready().await.unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::Transport);
+    }
 }
