@@ -182,14 +182,6 @@ impl Trial {
                     plan_count += 1;
                 }
                 MoveOutcome::Infeasible(refusal) => {
-                    if refusal.needed.abs() <= refusal.available {
-                        eprintln!("FALSE {refusal:?}");
-                        unsafe { std::env::set_var("DBG", "1") };
-                        let _ = plan_move(&self.robot, &request, &Budget::unlimited());
-                        unsafe { std::env::remove_var("DBG") };
-                        infeasible_count += 1;
-                        continue;
-                    }
                     check_evidence(&refusal, &request);
                     infeasible_count += 1;
                 }
