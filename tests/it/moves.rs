@@ -22,7 +22,7 @@ use takt_proto::convert::{self, Findings, Path};
 use takt_tests::fixtures::example;
 
 /// Plans of each robot that are looked at.
-const PLANS: usize = 2000;
+const PLANS: usize = 3000;
 
 /// Excess that counts as none: roundings.
 const EXCESS: f64 = 1e-9;
@@ -83,7 +83,12 @@ impl Trial {
         let (start, target) = self.draw_ends();
         let payload = self.draw_payload();
         let mut limits = self.draw_limits();
-        let speeds: Vec<f64> = self.spec().joints.iter().filter_map(|joint| joint.limits.velocity).collect();
+        let speeds: Vec<f64> = self
+            .spec()
+            .joints
+            .iter()
+            .filter_map(|joint| joint.limits.velocity)
+            .collect();
         let draw = &mut self.draw;
         let asked: Vec<f64> = speeds.iter().map(|speed| speed * draw.between(0.05, 1.0)).collect();
         let target_velocity = draw.bits().is_multiple_of(4).then_some(asked);
@@ -148,7 +153,12 @@ impl Trial {
     /// Asserts that a plan keeps every limit.
     fn check(&self, request: &MoveRequest, plan: &MovePlan) {
         let bounds = Bounds::of_request(self.spec(), request);
-        let travel: f64 = request.start.iter().zip(&request.target).map(|(from, to)| (to - from).abs()).sum();
+        let travel: f64 = request
+            .start
+            .iter()
+            .zip(&request.target)
+            .map(|(from, to)| (to - from).abs())
+            .sum();
         let grid = Grid {
             per_interval: FINER * VERIFIER_INTERVALS,
             per_move: (2.0 * FINER as f64 * travel / VERIFIER_TRAVEL).ceil() as usize,
@@ -159,7 +169,9 @@ impl Trial {
             patterns: &plan.patterns,
         };
         let arm = Arm::new(self.spec(), request.payload.as_ref());
-        let report = Checker::new(arm).check(&bounds, &emitted, grid).expect("one entry a joint");
+        let report = Checker::new(arm)
+            .check(&bounds, &emitted, grid)
+            .expect("one entry a joint");
         assert_eq!(report.inconsistencies, [], "{request:#?}\n{:#?}", plan.patterns);
         assert!(
             report.holds(EXCESS),
