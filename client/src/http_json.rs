@@ -1,9 +1,11 @@
 //! The HTTP/JSON transport.
 
-use std::time::Duration;
+use std::{io, time::Duration};
 
 use http::{HeaderMap, StatusCode, Uri, header};
 use reqwest::{Client, Response};
+use serde::Serialize;
+use serde_json::ser::Formatter;
 use takt_proto::error as wire;
 
 use crate::{
@@ -33,7 +35,7 @@ pub(crate) async fn send<R: Rpc>(
         .header(header::ACCEPT, "application/json")
         .header(REQUEST_TIMEOUT, connection::request_timeout(left));
     if let Some(message) = &route.body {
-        let body = serde_json::to_vec(message)
+        let body = to_json(message)
             .map_err(|error| Error::refused("request", format!("cannot be written as JSON: {error}")))?;
         request = request.header(header::CONTENT_TYPE, "application/json").body(body);
     }
@@ -65,6 +67,23 @@ async fn read(reply: &mut Response, max_reply_bytes: usize) -> Result<Vec<u8>, E
             return Err(Error::answered(Code::TooLarge, message));
         }
         bytes.extend_from_slice(&chunk);
+    }
+}
+
+/// A message as JSON.
+fn to_json(message: &impl Serialize) -> serde_json::Result<Vec<u8>> {
+    let mut json = Vec::new();
+    message.serialize(&mut serde_json::Serializer::with_formatter(&mut json, Honest))?;
+    Ok(json)
+}
+
+/// Writes JSON as usual, but for numbers that are not finite: JSON has none, and `null` in their place would be read as
+/// "not given". Messages have no other nulls, so that the service refuses the field by its name.
+struct Honest;
+
+impl Formatter for Honest {
+    fn write_null<W: ?Sized + io::Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        writer.write_all(b"\"NaN\"")
     }
 }
 

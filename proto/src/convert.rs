@@ -72,8 +72,10 @@ impl Findings {
 
     /// Adds what a second look found, but for places where something is known to be wrong already.
     pub fn extend(&mut self, second: Vec<Invalid>) {
+        let known_count = self.found.len();
         for invalid in second {
-            if !self.found.iter().any(|known| known.path == invalid.path) {
+            let known = &self.found[..known_count];
+            if !known.iter().any(|known| known.path == invalid.path) {
                 self.push_invalid(invalid);
             }
         }
@@ -119,9 +121,11 @@ impl Findings {
         0.0
     }
 
-    /// Checks an optional number finite.
+    /// Checks an optional number finite. Another is as good as absent: nothing more is said of it.
     pub fn finite_option(&mut self, path: Path<'_>, value: Option<f64>) -> Option<f64> {
-        value.map(|value| self.finite(path, value))
+        let value = value?;
+        self.finite(path, value);
+        value.is_finite().then_some(value)
     }
 
     /// Checks every number of a list finite.
@@ -142,7 +146,7 @@ impl Findings {
         }
     }
 
-    /// A list of exactly `N` finite numbers; empty: `None`.
+    /// A list of exactly `N` finite numbers; empty, or something else: `None`.
     pub fn array<const N: usize>(&mut self, path: Path<'_>, values: &[f64]) -> Option<[f64; N]> {
         if values.is_empty() {
             return None;
@@ -152,7 +156,7 @@ impl Findings {
             self.push(path, format!("has {} values instead of {N}", values.len()));
             return None;
         };
-        Some(array.map(|value| if value.is_finite() { value } else { 0.0 }))
+        array.iter().all(|value| value.is_finite()).then_some(array)
     }
 
     /// Three finite numbers; empty: `None`.

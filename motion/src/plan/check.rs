@@ -101,7 +101,7 @@ fn check_points(robot: &Robot, request: &CheckRequest, wrong: &mut Vec<Invalid>)
     let mut before = None;
     for (index, point) in points.iter().enumerate() {
         check_point(robot, index, point, interpolation, before, wrong);
-        before = Some(point.time);
+        before = Some(point.time).filter(|time| time.is_finite()).or(before);
         if wrong.len() >= FINDINGS_MAX {
             break;
         }

@@ -99,7 +99,6 @@ impl Problem {
             if let Some(message) = outside(*target, lower, upper) {
                 let message = format!("joint \"{}\": {message}", self.name(joint));
                 wrong.push(Invalid::new(format!("target.position[{joint}]"), message));
-                continue;
             }
             let Some(message) = outside(self.start[joint], lower, upper) else {
                 continue;
@@ -249,6 +248,10 @@ pub(super) fn limits_in_force(
         }
         let peak = joints[joint].drive.peak_torque;
         tighten(&mut limits[joint], change, peak, &path, wrong);
+        if joints[joint].limits.deceleration.is_none() && change.deceleration.is_none() {
+            // It is the acceleration limit's by default, and so follows it.
+            limits[joint].deceleration = limits[joint].acceleration;
+        }
     }
     limits
 }
@@ -286,7 +289,6 @@ fn tighten(limit: &mut JointLimit, change: &LimitOverride, peak: Option<f64>, pa
     let deceleration = upper("deceleration", change.deceleration, limit.deceleration);
     if acceleration.is_some() {
         limit.acceleration = acceleration;
-        limit.deceleration = limit.deceleration.or(acceleration);
     }
     if deceleration.is_some() {
         limit.deceleration = deceleration;

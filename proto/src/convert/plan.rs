@@ -165,8 +165,10 @@ fn points(
     let mut before = f64::NEG_INFINITY;
     let points = wire.into_iter().enumerate().map(|(index, point)| {
         let at = at.index(index);
-        let time = findings.finite(at.field("time_s"), point.time_s);
-        if time < 0.0 {
+        let time = point.time_s;
+        if !time.is_finite() {
+            findings.finite(at.field("time_s"), time);
+        } else if time < 0.0 {
             findings.push(at.field("time_s"), format!("{time} s must not be negative"));
         } else if time <= before {
             findings.push(
@@ -174,7 +176,9 @@ fn points(
                 format!("{time} s must be after the point before, {before} s"),
             );
         }
-        before = time;
+        if time.is_finite() {
+            before = time;
+        }
         findings.joint_values(at.field("position"), &point.position, joint_count);
         for (name, values) in [("velocity", &point.velocity), ("acceleration", &point.acceleration)] {
             if !values.is_empty() {

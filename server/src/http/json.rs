@@ -174,8 +174,25 @@ fn located<T: DeserializeOwned>(body: &[u8], error: &serde_json::Error) -> Inval
         Ok(_) => String::new(),
         Err(error) => error.path().to_string(),
     };
-    let path = if path == "." { String::new() } else { path };
+    // A place that has no name is that of the object around it.
+    let path = path
+        .strip_suffix('?')
+        .map_or(&*path, |object| object.trim_end_matches('.'));
+    let path = if path == "." { "" } else { path };
     let mut message = error.to_string();
+    let mut path = path.to_owned();
+    if let Some((name, _)) = message
+        .strip_prefix("duplicate field `")
+        .and_then(|rest| rest.split_once('`'))
+    {
+        let separator = if path.is_empty() { "" } else { "." };
+        path = format!("{path}{separator}{name}");
+    }
+    // What the reader of numbers says where none of its forms fits.
+    message = message.replace(
+        "data did not match any variant of untagged enum Content",
+        "expected a number",
+    );
     if message.len() > LONGEST_MESSAGE {
         message.truncate(message.floor_char_boundary(LONGEST_MESSAGE));
         message.push('…');
