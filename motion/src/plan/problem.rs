@@ -248,11 +248,8 @@ pub(super) fn limits_in_force(
         }
         let peak = joints[joint].drive.peak_torque;
         tighten(&mut limits[joint], change, peak, &path, wrong);
-        if joints[joint].limits.deceleration.is_none() && change.deceleration.is_none() {
-            // It is the acceleration limit's by default, and so follows it.
-            limits[joint].deceleration = limits[joint].acceleration;
-        }
     }
+    // by default it is the acceleration limit's, and so follows it
     for limit in &mut limits {
         limit.deceleration = limit.deceleration.or(limit.acceleration);
     }
