@@ -81,8 +81,7 @@ pub fn false_claims(
         let (Some(margin), Some(limit)) = (plan.torque_margins.iter().find(of_joint), bounds.torque) else {
             continue;
         };
-        // A cycle is the motion, then holding the target; what held the start belongs to the cycle before.
-        let peak = found.torque.value.abs().max(found.holding_at_end.abs());
+        let peak = found.torque.value.abs().max(found.holding.value.abs());
         let rms = report.rms_torque(joint, plan.cycle_time);
         let speed = found.velocity.value.abs() * spec.joints[joint].drive.gear_ratio.abs();
         let power = found.power.value.abs();

@@ -7,8 +7,8 @@ use takt_client::{Client, Transport};
 
 use crate::{
     commands::{
-        check::CheckArgs, completions::CompletionsArgs, dynamics::DynamicsArgs, plan::PlanCommand, pose::PoseArgs,
-        robot::RobotCommand, serve::ServeArgs,
+        check::CheckArgs, completions::CompletionsArgs, dynamics::DynamicsArgs, health::HealthArgs, plan::PlanCommand,
+        pose::PoseArgs, robot::RobotCommand, serve::ServeArgs,
     },
     failure::Failure,
     numbers,
@@ -53,6 +53,7 @@ pub(crate) enum Command {
     Check(Box<CheckArgs>),
     Dynamics(Box<DynamicsArgs>),
     Pose(PoseArgs),
+    Health(HealthArgs),
     Completions(CompletionsArgs),
 }
 

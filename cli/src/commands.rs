@@ -3,6 +3,7 @@
 pub(crate) mod check;
 pub(crate) mod completions;
 pub(crate) mod dynamics;
+pub(crate) mod health;
 pub(crate) mod plan;
 pub(crate) mod pose;
 pub(crate) mod robot;
@@ -37,6 +38,7 @@ pub(crate) fn run(cli: Cli, io: &mut Io) -> Result<u8, Failure> {
             Command::Check(args) => check::run(*args, &connection.client()?, io).await,
             Command::Dynamics(args) => dynamics::run(*args, &connection.client()?, io).await,
             Command::Pose(args) => pose::run(args, &connection.client()?, io).await,
+            Command::Health(_) => health::run(&connection.client()?, io).await,
             Command::Completions(args) => completions::run(&args, io),
         }
     })

@@ -27,8 +27,10 @@ impl std::fmt::Debug for Io {
 /// What is known of the screen.
 #[derive(Debug, Clone, Copy)]
 pub struct Terminal {
-    /// Columns.
+    /// Columns, for plots.
     pub width: usize,
+    /// Columns that tables must fit; `None`: they may be as wide as they are.
+    pub table_width: Option<usize>,
     /// Whether standard output may be coloured.
     pub colour: bool,
     /// Whether standard error may be coloured.

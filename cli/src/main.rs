@@ -17,6 +17,7 @@ fn main() -> ExitCode {
     let mut io = Io {
         terminal: Terminal {
             width: width.unwrap_or(100),
+            table_width: width.filter(|_| output.is_terminal()),
             colour: output.is_terminal() && !plain,
             error_colour: errors.is_terminal() && !plain,
         },

@@ -5,6 +5,7 @@ pub(crate) mod csv;
 pub(crate) mod curves;
 pub(crate) mod dynamics;
 pub(crate) mod html;
+pub(crate) mod infeasible;
 pub(crate) mod plan;
 pub(crate) mod robot;
 pub(crate) mod scale;

@@ -117,10 +117,8 @@ impl Builder {
             .iter()
             .map(|url| endpoint(url))
             .collect::<Result<_, _>>()?;
-        let pool = match self.transport {
-            Transport::Grpc => connection::http2(self.connect_timeout),
-            Transport::Http => connection::http1(self.connect_timeout),
-        };
+        let http1 = connection::http1(self.connect_timeout)
+            .map_err(|error| Error::refused("transport", format!("HTTP cannot be set up: {error}")))?;
         Ok(Client {
             deadline: self.deadline,
             shared: Arc::new(Shared {
@@ -129,7 +127,8 @@ impl Builder {
                 transport: self.transport,
                 retry: self.retry,
                 max_reply_bytes: self.max_reply_bytes,
-                pool,
+                http2: connection::http2(self.connect_timeout),
+                http1,
             }),
         })
     }

@@ -10,12 +10,12 @@ use std::{
 };
 
 use http::Uri;
-use takt_proto::v1;
+use takt_proto::{id::RobotId, v1};
 use tokio::time::Instant;
 
 use crate::{
     builder::{Builder, Transport},
-    connection::Pool,
+    connection::Http2,
     error::{Code, Error},
     grpc, http_json,
     retry::{self, RetryPolicy},
@@ -42,7 +42,8 @@ pub(crate) struct Shared {
     pub(crate) transport: Transport,
     pub(crate) retry: RetryPolicy,
     pub(crate) max_reply_bytes: usize,
-    pub(crate) pool: Pool,
+    pub(crate) http2: Http2,
+    pub(crate) http1: reqwest::Client,
 }
 
 pub(crate) struct Endpoint {
@@ -131,9 +132,9 @@ impl Client {
     }
 
     async fn call<R: Rpc>(&self, request: R::Request) -> Result<R::Response, Error> {
-        // Over HTTP an empty id would be another route.
-        if R::robot_id(&request) == Some("") {
-            return Err(Error::refused("robot_id", "must not be empty"));
+        // What is no id could be another path over HTTP; both transports refuse it with the same words.
+        if let Some(id) = R::robot_id(&request) {
+            RobotId::parse(id).map_err(|why| Error::refused("robot_id", why))?;
         }
         let shared = &self.shared;
         let order = self.order();
@@ -145,8 +146,8 @@ impl Client {
             let endpoint = &shared.endpoints[index];
             let most = shared.max_reply_bytes;
             let result = match shared.transport {
-                Transport::Grpc => grpc::send::<R>(&shared.pool, &endpoint.uri, request.clone(), left, most).await,
-                Transport::Http => http_json::send::<R>(&shared.pool, &endpoint.uri, request, left, most).await,
+                Transport::Grpc => grpc::send::<R>(&shared.http2, &endpoint.uri, request.clone(), left, most).await,
+                Transport::Http => http_json::send::<R>(&shared.http1, &endpoint.uri, request, left, most).await,
             };
             endpoint.set_failed(matches!(&result, Err(error) if error.code() == Code::Unavailable));
             result.map_err(|error| error.at(&endpoint.name))

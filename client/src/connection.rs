@@ -8,14 +8,14 @@ use hyper_util::{
 };
 use tonic::body::Body;
 
-/// A pool of connections to any number of endpoints.
-pub(crate) type Pool = legacy::Client<HttpConnector, Body>;
+/// A pool of HTTP/2 connections to any number of endpoints, for gRPC.
+pub(crate) type Http2 = legacy::Client<HttpConnector, Body>;
 
-/// How long an idle connection is asked for a sign of life, and how long the sign may take.
-const KEEP_ALIVE_INTERVAL: Duration = Duration::from_secs(10);
-const KEEP_ALIVE_TIMEOUT: Duration = Duration::from_secs(5);
+/// How often a quiet connection is asked for a sign of life, and how long the sign may take.
+const KEEP_ALIVE_INTERVAL: Duration = Duration::from_secs(5);
+const KEEP_ALIVE_TIMEOUT: Duration = Duration::from_secs(3);
 /// How long sent data may stay without acknowledgement before the connection counts as dead.
-const UNACKNOWLEDGED_TIMEOUT: Duration = Duration::from_secs(10);
+const UNACKNOWLEDGED_TIMEOUT: Duration = Duration::from_secs(8);
 /// How long an unused connection is kept.
 const IDLE_TIMEOUT: Duration = Duration::from_secs(90);
 /// Room for long trajectories to come in without waiting for window updates.
@@ -34,7 +34,7 @@ fn connector(connect_timeout: Duration) -> HttpConnector {
 }
 
 /// HTTP/2 without negotiation, as gRPC wants it.
-pub(crate) fn http2(connect_timeout: Duration) -> Pool {
+pub(crate) fn http2(connect_timeout: Duration) -> Http2 {
     legacy::Client::builder(TokioExecutor::new())
         .timer(TokioTimer::new())
         .pool_timer(TokioTimer::new())
@@ -42,18 +42,26 @@ pub(crate) fn http2(connect_timeout: Duration) -> Pool {
         .http2_only(true)
         .http2_keep_alive_interval(KEEP_ALIVE_INTERVAL)
         .http2_keep_alive_timeout(KEEP_ALIVE_TIMEOUT)
+        // A peer that died between two calls must not cost the second one its deadline.
+        .http2_keep_alive_while_idle(true)
         .http2_initial_stream_window_size(STREAM_WINDOW)
         .http2_initial_connection_window_size(CONNECTION_WINDOW)
         .build(connector(connect_timeout))
 }
 
 /// HTTP/1.1, which every proxy and every debugging tool understands.
-pub(crate) fn http1(connect_timeout: Duration) -> Pool {
-    legacy::Client::builder(TokioExecutor::new())
-        .timer(TokioTimer::new())
-        .pool_timer(TokioTimer::new())
-        .pool_idle_timeout(IDLE_TIMEOUT)
-        .build(connector(connect_timeout))
+pub(crate) fn http1(connect_timeout: Duration) -> reqwest::Result<reqwest::Client> {
+    let builder = reqwest::Client::builder()
+        .http1_only()
+        .redirect(reqwest::redirect::Policy::none())
+        .connect_timeout(connect_timeout)
+        .tcp_nodelay(true)
+        .tcp_keepalive(KEEP_ALIVE_INTERVAL)
+        .tcp_keepalive_interval(KEEP_ALIVE_TIMEOUT)
+        .pool_idle_timeout(IDLE_TIMEOUT);
+    #[cfg(any(target_os = "android", target_os = "fuchsia", target_os = "linux"))]
+    let builder = builder.tcp_user_timeout(UNACKNOWLEDGED_TIMEOUT);
+    builder.build()
 }
 
 /// The value of the header `grpc-timeout`: at most eight digits and a unit.
@@ -79,6 +87,9 @@ pub(crate) fn describe(error: &(dyn std::error::Error + 'static)) -> (String, bo
     let mut cause = error;
     loop {
         if let Some(error) = cause.downcast_ref::<legacy::Error>() {
+            unsent |= error.is_connect();
+        }
+        if let Some(error) = cause.downcast_ref::<reqwest::Error>() {
             unsent |= error.is_connect();
         }
         match cause.source() {

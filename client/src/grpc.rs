@@ -12,14 +12,14 @@ use tonic::{
 use tonic_prost::ProstCodec;
 
 use crate::{
-    connection::{self, Pool},
+    connection::{self, Http2},
     error::Error,
     rpc::{self, Rpc},
 };
 
 /// Sends one request to one endpoint.
 pub(crate) async fn send<R: Rpc>(
-    pool: &Pool,
+    pool: &Http2,
     endpoint: &Uri,
     request: R::Request,
     left: Duration,

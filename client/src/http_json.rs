@@ -1,15 +1,15 @@
 //! The HTTP/JSON transport.
 
-use std::time::Duration;
+use std::{io, time::Duration};
 
-use bytes::Bytes;
-use http::{HeaderMap, Request, StatusCode, Uri, header};
-use http_body_util::{BodyExt, Full, LengthLimitError, Limited};
+use http::{HeaderMap, StatusCode, Uri, header};
+use reqwest::{Client, Response};
+use serde::Serialize;
+use serde_json::ser::Formatter;
 use takt_proto::error as wire;
-use tonic::body::Body;
 
 use crate::{
-    connection::{self, Pool},
+    connection,
     error::{Code, Error},
     lenient,
     rpc::{self, Rpc},
@@ -20,54 +20,70 @@ const REQUEST_TIMEOUT: &str = "request-timeout";
 
 /// Sends one request to one endpoint.
 pub(crate) async fn send<R: Rpc>(
-    pool: &Pool,
+    client: &Client,
     endpoint: &Uri,
     request: &R::Request,
     left: Duration,
     max_reply_bytes: usize,
 ) -> Result<R::Response, Error> {
     let route = rpc::http_route::<R>(request);
-    let body = match &route.body {
-        None => Bytes::new(),
-        Some(message) => serde_json::to_vec(message)
-            .map_err(|error| Error::refused("request", format!("cannot be written as JSON: {error}")))?
-            .into(),
-    };
     let base = endpoint.to_string();
-    let mut builder = Request::builder()
-        .method(route.method.as_str())
-        .uri(format!("{}{}", base.trim_end_matches('/'), route.path))
+    let method = reqwest::Method::from_bytes(route.method.as_str().as_bytes())
+        .map_err(|error| Error::refused("request", error.to_string()))?;
+    let mut request = client
+        .request(method, format!("{}{}", base.trim_end_matches('/'), route.path))
         .header(header::ACCEPT, "application/json")
         .header(REQUEST_TIMEOUT, connection::request_timeout(left));
-    if route.body.is_some() {
-        builder = builder.header(header::CONTENT_TYPE, "application/json");
+    if let Some(message) = &route.body {
+        let body = to_json(message)
+            .map_err(|error| Error::refused("request", format!("cannot be written as JSON: {error}")))?;
+        request = request.header(header::CONTENT_TYPE, "application/json").body(body);
     }
-    let request = builder
-        .body(Body::new(Full::new(body)))
-        .map_err(|error| Error::refused("request", error.to_string()))?;
-
-    let reply = pool.request(request).await.map_err(|error| {
+    let mut reply = request.send().await.map_err(|error| {
         let (message, unsent) = connection::describe(&error);
         let error = Error::transport(message, error);
         if unsent { error.unsent() } else { error }
     })?;
-    let (parts, body) = reply.into_parts();
-    let bytes = Limited::new(body, max_reply_bytes)
-        .collect()
-        .await
-        .map_err(|error| {
-            if error.is::<LengthLimitError>() {
-                Error::answered(Code::TooLarge, format!("the reply is over {max_reply_bytes} bytes"))
-            } else {
-                Error::transport(format!("the connection broke: {error}"), error)
-            }
-        })?
-        .to_bytes();
-    if parts.status.is_success() {
+    let bytes = read(&mut reply, max_reply_bytes).await?;
+    if reply.status().is_success() {
         lenient::from_slice(&bytes)
             .map_err(|error| Error::answered(Code::Internal, format!("the reply is not understood: {error}")))
     } else {
-        Err(from_reply(parts.status, &parts.headers, &bytes))
+        Err(from_reply(reply.status(), reply.headers(), &bytes))
+    }
+}
+
+/// The body of a reply, as far as it is not too long.
+async fn read(reply: &mut Response, max_reply_bytes: usize) -> Result<Vec<u8>, Error> {
+    let mut bytes = Vec::new();
+    loop {
+        let chunk = reply.chunk().await.map_err(|error| {
+            let (message, _) = connection::describe(&error);
+            Error::transport(message, error)
+        })?;
+        let Some(chunk) = chunk else { return Ok(bytes) };
+        if bytes.len() + chunk.len() > max_reply_bytes {
+            let message = format!("the reply is over {max_reply_bytes} bytes");
+            return Err(Error::answered(Code::TooLarge, message));
+        }
+        bytes.extend_from_slice(&chunk);
+    }
+}
+
+/// A message as JSON.
+fn to_json(message: &impl Serialize) -> serde_json::Result<Vec<u8>> {
+    let mut json = Vec::new();
+    message.serialize(&mut serde_json::Serializer::with_formatter(&mut json, Honest))?;
+    Ok(json)
+}
+
+/// Writes JSON as usual, but for numbers that are not finite: JSON has none, and `null` in their place would be read as
+/// "not given". Messages have no other nulls, so that the service refuses the field by its name.
+struct Honest;
+
+impl Formatter for Honest {
+    fn write_null<W: ?Sized + io::Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        writer.write_all(b"\"NaN\"")
     }
 }
 

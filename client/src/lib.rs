@@ -56,6 +56,7 @@ mod error;
 mod grpc;
 mod http_json;
 mod lenient;
+mod ready;
 mod retry;
 mod rpc;
 

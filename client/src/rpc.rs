@@ -51,7 +51,6 @@ pub(crate) struct HttpRoute<M> {
 /// The same call over HTTP.
 pub(crate) fn http_route<R: Rpc>(request: &R::Request) -> HttpRoute<R::Request> {
     let route = Route::of(R::RPC);
-    // Ids that need escaping are wrong, but it is the server that says so.
     let mut path = route.path_for(&escape(R::robot_id(request).unwrap_or_default()));
     if route.method.has_body() {
         return HttpRoute {

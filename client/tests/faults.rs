@@ -193,6 +193,11 @@ impl RobotService for Fake {
 }
 
 async fn http(fake: Fake, request: HttpRequest<hyper::body::Incoming>) -> HttpResponse<Body> {
+    if request.uri().path() == "/readyz" {
+        let ready = matches!(fake.next(None), Act::Answer);
+        let reply = HttpResponse::builder().status(if ready { 200 } else { 503 });
+        return reply.body(Body::empty()).unwrap();
+    }
     let timeout = request
         .headers()
         .get("request-timeout")
@@ -492,10 +497,32 @@ async fn a_reply_over_the_limit_is_refused() {
 }
 
 #[tokio::test]
-async fn an_empty_robot_id_is_refused_before_anything_is_sent() {
+async fn what_is_no_robot_id_is_refused_before_anything_is_sent() {
     let fake = Fake::new("a", &[Act::Answer]);
     let client = client(Transport::Http, &[&fake.serve().await]);
-    let error = client.plan_move(v1::PlanMoveRequest::default()).await.unwrap_err();
-    assert_eq!(error.violations()[0].field, "robot_id");
+    for id in ["", "a/b", "a?b", "..", "a:planMove"] {
+        let error = client
+            .plan_move(v1::PlanMoveRequest {
+                robot_id: id.to_owned(),
+                ..request()
+            })
+            .await
+            .unwrap_err();
+        assert_eq!(error.violations()[0].field, "robot_id");
+    }
     assert_eq!(fake.seen(), 0);
+}
+
+#[tokio::test]
+async fn readiness_is_asked_of_every_endpoint_once() {
+    for transport in BOTH {
+        let (ready, draining) = (Fake::new("a", &[Act::Answer]), Fake::new("b", &[Act::Unavailable]));
+        let (first, second) = (ready.serve().await, draining.serve().await);
+        client(transport, &[&first]).ready().await.unwrap();
+        let error = client(transport, &[&first, &second]).ready().await.unwrap_err();
+        assert_eq!((error.code(), error.endpoint()), (Code::Unavailable, second.as_str()));
+        assert_eq!((ready.seen(), draining.seen()), (2, 1), "{transport:?}");
+        let error = client(transport, &[&nowhere().await]).ready().await.unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::Transport);
+    }
 }

@@ -5,7 +5,7 @@ pub mod dynamics;
 pub mod plan;
 pub mod robot;
 
-use std::fmt;
+use std::{fmt, ops::RangeInclusive};
 
 use takt_motion::{Invalid, nalgebra};
 
@@ -72,8 +72,10 @@ impl Findings {
 
     /// Adds what a second look found, but for places where something is known to be wrong already.
     pub fn extend(&mut self, second: Vec<Invalid>) {
+        let known_count = self.found.len();
         for invalid in second {
-            if !self.found.iter().any(|known| known.path == invalid.path) {
+            let known = &self.found[..known_count];
+            if !known.iter().any(|known| known.path == invalid.path) {
                 self.push_invalid(invalid);
             }
         }
@@ -111,13 +113,19 @@ impl Findings {
         if value.is_finite() {
             return value;
         }
-        self.push(path, format!("{value} is not a finite number"));
+        if self.found.len() < KEPT {
+            self.push(path, format!("{value} is not a finite number"));
+        } else {
+            self.dropped += 1;
+        }
         0.0
     }
 
-    /// Checks an optional number finite.
+    /// Checks an optional number finite. Another is as good as absent: nothing more is said of it.
     pub fn finite_option(&mut self, path: Path<'_>, value: Option<f64>) -> Option<f64> {
-        value.map(|value| self.finite(path, value))
+        let value = value?;
+        self.finite(path, value);
+        value.is_finite().then_some(value)
     }
 
     /// Checks every number of a list finite.
@@ -138,7 +146,7 @@ impl Findings {
         }
     }
 
-    /// A list of exactly `N` finite numbers; empty: `None`.
+    /// A list of exactly `N` finite numbers; empty, or something else: `None`.
     pub fn array<const N: usize>(&mut self, path: Path<'_>, values: &[f64]) -> Option<[f64; N]> {
         if values.is_empty() {
             return None;
@@ -148,7 +156,7 @@ impl Findings {
             self.push(path, format!("has {} values instead of {N}", values.len()));
             return None;
         };
-        Some(array.map(|value| if value.is_finite() { value } else { 0.0 }))
+        array.iter().all(|value| value.is_finite()).then_some(array)
     }
 
     /// Three finite numbers; empty: `None`.
@@ -172,26 +180,41 @@ impl Findings {
     /// A part of a whole, above 0 up to 1; absent: 1.
     pub fn fraction(&mut self, path: Path<'_>, value: Option<f64>) -> f64 {
         let Some(value) = value else { return 1.0 };
-        if !value.is_finite() {
-            return self.finite(path, value);
-        }
-        if value <= 0.0 || value > 1.0 {
-            self.push(path, format!("{value} must be above 0 and at most 1"));
-        }
-        value
+        self.within(path, value, SMALLEST..=1.0, "")
     }
 
-    /// A finite number above 0; absent: `None`.
+    /// A number above 0 that can be computed with; absent: `None`.
     pub fn positive_option(&mut self, path: Path<'_>, value: Option<f64>, unit: &str) -> Option<f64> {
-        let value = value?;
-        if !value.is_finite() {
-            self.finite(path, value);
-        } else if value <= 0.0 {
-            self.push(path, format!("{value}{unit} must be positive"));
+        value.map(|value| self.within(path, value, SMALLEST..=LARGEST, unit))
+    }
+
+    /// A finite number within a range.
+    pub fn within(&mut self, path: Path<'_>, value: f64, range: RangeInclusive<f64>, unit: &str) -> f64 {
+        if value.is_finite() && !range.contains(&value) {
+            let (least, most) = (range.start(), range.end());
+            let message = format!("{value}{unit} must be at least {least}{unit} and at most {most}{unit}");
+            self.push(path, message);
         }
-        Some(value)
+        self.finite(path, value)
+    }
+
+    /// Finite numbers, each at most so large either way.
+    pub fn at_most(&mut self, path: Path<'_>, values: &[f64], most: f64) {
+        for (index, &value) in values.iter().enumerate() {
+            if value.is_finite() && value.abs() > most && self.found.len() < KEPT {
+                let message = format!("{value} must be at most {most} either way");
+                self.push(path.index(index), message);
+            }
+        }
     }
 }
+
+/// Smallest positive number that a request may state: squares of smaller ones leave what can be computed with. The
+/// model's own limits begin here too.
+const SMALLEST: f64 = 1e-9;
+
+/// Largest limit or time that a request may state, where the model has none.
+const LARGEST: f64 = 1e12;
 
 /// A caller's text for a message: quoted, and cut where it is long.
 #[must_use]

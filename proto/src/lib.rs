@@ -11,6 +11,8 @@ pub mod route;
 /// Generated messages, clients and servers of the package `takt.v1`, with the canonical JSON of the messages.
 #[allow(
     missing_docs,
+    rustdoc::broken_intra_doc_links,
+    rustdoc::invalid_html_tags,
     unreachable_pub,
     clippy::all,
     clippy::restriction,

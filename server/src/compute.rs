@@ -1,13 +1,14 @@
 //! What runs on the planner's threads: from a request and a robot to the answer. Pure.
 
+mod dynamics;
+mod finite;
+
 use std::{sync::Arc, time::Instant};
 
 use prost::Message;
 use takt_motion::{
     Invalid,
     budget::Budget,
-    dynamics::{self, Workspace},
-    kinematics,
     plan::{self, outcome::MoveOutcome},
     robot::{Robot, urdf_writer},
 };
@@ -18,6 +19,7 @@ use takt_proto::{
 };
 use tracing::Span;
 
+pub(crate) use self::dynamics::{forward_kinematics, inverse_dynamics};
 use crate::{
     config::Limits,
     error::ServiceError,
@@ -172,6 +174,9 @@ pub(crate) fn plan_move(
     let (robot, request) = checked(findings, robot, request)?;
     let outcome = plan::plan_move(&robot.robot, &request, budget).map_err(|failure| failed(failure, deadline))?;
     check_setpoints(&outcome, limits)?;
+    if !finite::outcome(&outcome) {
+        return Err(not_finite());
+    }
     Span::current().record("outcome", outcome_name(&outcome));
     Ok(v1::PlanMoveResponse {
         outcome: Some(convert::plan::outcome_to_wire(outcome, robot.robot.spec())),
@@ -208,6 +213,11 @@ fn check_setpoints(outcome: &MoveOutcome, limits: &Limits) -> Result<(), Service
         Some(invalid) => Err(ServiceError::invalid(vec![invalid])),
         None => Ok(()),
     }
+}
+
+/// What the bounds of requests and models should have kept out.
+fn not_finite() -> ServiceError {
+    ServiceError::internal("the answer has a number that is not finite: this is a fault of the service")
 }
 
 fn failed(failure: plan::Failure, deadline: Instant) -> ServiceError {
@@ -250,181 +260,11 @@ pub(crate) fn check_trajectory(
     }
     let (robot, request) = checked(findings, robot, request)?;
     let report = plan::check_trajectory(&robot.robot, &request, budget).map_err(|failure| failed(failure, deadline))?;
+    if !finite::report(&report) {
+        return Err(not_finite());
+    }
     Ok(v1::CheckTrajectoryResponse {
         provenance: Some(provenance(&robot.revision, hash)),
         ..convert::plan::report_to_wire(report, robot.robot.spec())
-    })
-}
-
-/// States between two looks at whether anybody still waits.
-const STATES_BETWEEN_CHECKS: usize = 64;
-
-/// Torques of many states.
-pub(crate) fn inverse_dynamics(
-    mut request: v1::InverseDynamicsRequest,
-    subject: Subject,
-    limits: &Limits,
-    deadline: Instant,
-    budget: &Budget<'_>,
-) -> Result<v1::InverseDynamicsResponse, ServiceError> {
-    let mut findings = Findings::default();
-    let robot = subject.look(&mut findings);
-    if let Some(invalid) = at_most("states", request.states.len(), limits.max_states, "max_states") {
-        return Err(ServiceError::invalid(vec![invalid]));
-    }
-    let mut hash = String::new();
-    if let Some(robot) = &robot {
-        request.revision = Some(robot.revision.to_string());
-        hash = content_hash("InverseDynamicsRequest", &request);
-    }
-    let joint_count = robot.as_ref().map(|robot| robot.robot.joint_count());
-    convert::dynamics::joint_states(&request.states, joint_count, &mut findings);
-    let wanted = convert::dynamics::wanted(&request.r#return, &mut findings);
-    let payload = request.payload.as_ref();
-    let payload = payload.map(|payload| convert::robot::payload(payload, Path::Root.field("payload"), &mut findings));
-    let (compiled, ()) = checked(findings, robot, ())?;
-    let loaded = payload.map(|payload| compiled.robot.with_payload(&payload));
-    let mut states = States::new(loaded.as_ref().unwrap_or(&compiled.robot), wanted);
-    let mut results = Vec::with_capacity(request.states.len());
-    for (index, state) in request.states.iter().enumerate() {
-        if index % STATES_BETWEEN_CHECKS == 0 {
-            budget.check().map_err(|_| stopped(deadline))?;
-        }
-        let result = states.result(state);
-        if !result
-            .torque
-            .iter()
-            .chain(&result.mass_matrix)
-            .all(|value| value.is_finite())
-        {
-            let invalid = Invalid::new(format!("states[{index}]"), "is too large to compute with");
-            return Err(ServiceError::invalid(vec![invalid]));
-        }
-        results.push(result);
-    }
-    Ok(v1::InverseDynamicsResponse {
-        results,
-        provenance: Some(provenance(&compiled.revision, hash)),
-    })
-}
-
-/// Inverse dynamics of one robot, state by state.
-struct States<'a> {
-    robot: &'a Robot,
-    workspace: Workspace,
-    zeros: Vec<f64>,
-    wanted: convert::dynamics::Wanted,
-}
-
-impl<'a> States<'a> {
-    fn new(robot: &'a Robot, wanted: convert::dynamics::Wanted) -> Self {
-        Self {
-            workspace: Workspace::new(robot),
-            zeros: vec![0.0; robot.joint_count()],
-            robot,
-            wanted,
-        }
-    }
-
-    fn result(&mut self, state: &v1::JointState) -> v1::InverseDynamicsResult {
-        let count = self.zeros.len();
-        let (robot, workspace) = (self.robot, &mut self.workspace);
-        let q = &state.position;
-        let qd = if state.velocity.is_empty() {
-            &self.zeros
-        } else {
-            &state.velocity
-        };
-        let qdd = if state.acceleration.is_empty() {
-            &self.zeros
-        } else {
-            &state.acceleration
-        };
-        let mut rigid_torque = vec![0.0; count];
-        let mut gravity_torque = vec![0.0; count];
-        let mut rotor_torque = vec![0.0; count];
-        let mut friction_torque = vec![0.0; count];
-        dynamics::rigid_torque(robot, workspace, q, qd, qdd, &mut rigid_torque);
-        dynamics::gravity_torque(robot, workspace, q, &mut gravity_torque);
-        dynamics::rotor_torque(robot, qdd, &mut rotor_torque);
-        dynamics::friction_torque(robot, qd, &mut friction_torque);
-        let parts = rigid_torque.iter().zip(&rotor_torque).zip(&friction_torque);
-        let torque = parts
-            .map(|((rigid, rotor), friction)| rigid + rotor + friction)
-            .collect();
-        let (mass_matrix, rigid_mass_matrix) = self.mass_matrices(q);
-        let mut jacobian = Vec::new();
-        if self.wanted.jacobian {
-            jacobian = vec![0.0; 6 * count];
-            kinematics::jacobian(robot, q, &robot.spec().tcp, &mut jacobian);
-        }
-        v1::InverseDynamicsResult {
-            torque,
-            rigid_torque,
-            gravity_torque,
-            rotor_torque,
-            friction_torque,
-            mass_matrix,
-            jacobian,
-            rigid_mass_matrix,
-        }
-    }
-
-    /// With and without the rotors; empty where not wanted.
-    fn mass_matrices(&mut self, q: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        if !self.wanted.mass_matrix {
-            return (Vec::new(), Vec::new());
-        }
-        let count = self.zeros.len();
-        let mut rigid = vec![0.0; count * count];
-        dynamics::mass_matrix(self.robot, &mut self.workspace, q, &mut rigid);
-        let mut full = rigid.clone();
-        for (index, joint) in self.robot.spec().joints.iter().enumerate() {
-            let drive = &joint.drive;
-            full[index * (count + 1)] += drive.rotor_inertia * drive.gear_ratio * drive.gear_ratio;
-        }
-        (full, rigid)
-    }
-}
-
-/// Poses of many states.
-pub(crate) fn forward_kinematics(
-    mut request: v1::ForwardKinematicsRequest,
-    subject: Subject,
-    limits: &Limits,
-    deadline: Instant,
-    budget: &Budget<'_>,
-) -> Result<v1::ForwardKinematicsResponse, ServiceError> {
-    let mut findings = Findings::default();
-    let robot = subject.look(&mut findings);
-    if let Some(invalid) = at_most("states", request.states.len(), limits.max_states, "max_states") {
-        return Err(ServiceError::invalid(vec![invalid]));
-    }
-    let mut hash = String::new();
-    if let Some(robot) = &robot {
-        request.revision = Some(robot.revision.to_string());
-        hash = content_hash("ForwardKinematicsRequest", &request);
-    }
-    let joint_count = robot.as_ref().map(|robot| robot.robot.joint_count());
-    convert::dynamics::joint_positions(&request.states, joint_count, &mut findings);
-    let tool = request.tool.as_ref();
-    let tcp = tool.map(|tool| convert::robot::tool(tool, Path::Root.field("tool"), &mut findings));
-    let (compiled, ()) = checked(findings, robot, ())?;
-    let tcp = tcp.unwrap_or(compiled.robot.spec().tcp);
-    let mut results = Vec::with_capacity(request.states.len());
-    for (index, state) in request.states.iter().enumerate() {
-        if index % STATES_BETWEEN_CHECKS == 0 {
-            budget.check().map_err(|_| stopped(deadline))?;
-        }
-        let pose = kinematics::pose(&compiled.robot, &state.position, &tcp);
-        if !pose.to_homogeneous().iter().all(|value| value.is_finite()) {
-            let invalid = Invalid::new(format!("states[{index}]"), "is too large to compute with");
-            return Err(ServiceError::invalid(vec![invalid]));
-        }
-        results.push(convert::dynamics::pose_result(&pose));
-    }
-    Ok(v1::ForwardKinematicsResponse {
-        results,
-        provenance: Some(provenance(&compiled.revision, hash)),
     })
 }

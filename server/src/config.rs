@@ -44,6 +44,8 @@ pub struct Limits {
     pub max_setpoints: usize,
     /// Requests in work at once, over all connections.
     pub max_concurrent_requests: usize,
+    /// Bytes of all requests in work together.
+    pub max_bytes_in_work: usize,
     /// Longest time for one request, and the time where the caller states none.
     pub deadline_s: f64,
 }
@@ -112,6 +114,7 @@ impl Default for Limits {
             max_trajectory_points: 50_000,
             max_setpoints: 100_000,
             max_concurrent_requests: 2048,
+            max_bytes_in_work: 256 << 20,
             deadline_s: 30.0,
         }
     }
@@ -166,6 +169,7 @@ impl Config {
             ("limits.max_states", self.limits.max_states),
             ("limits.max_trajectory_points", self.limits.max_trajectory_points),
             ("limits.max_setpoints", self.limits.max_setpoints),
+            ("limits.max_bytes_in_work", self.limits.max_bytes_in_work),
             ("limits.max_concurrent_requests", self.limits.max_concurrent_requests),
             ("planner.threads", self.planner.threads()),
             ("planner.queue_capacity", self.planner.queue_capacity()),

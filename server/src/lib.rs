@@ -1,6 +1,7 @@
 //! The motion service as a library: gRPC and HTTP/JSON on one port, the robot registry, and the limits that keep it
 //! answering. [`Server::bind`], then [`Server::local_addr`], then [`Server::run`].
 
+mod body;
 mod compute;
 mod config;
 mod connection;

@@ -10,7 +10,7 @@ pub(crate) mod store;
 pub(crate) mod conformance;
 
 use std::{
-    collections::HashMap,
+    collections::{HashMap, HashSet},
     sync::{
         Arc, PoisonError, RwLock,
         atomic::{AtomicU64, Ordering},
@@ -40,6 +40,8 @@ pub(crate) struct Registry {
     store: Box<dyn RobotStore>,
     compiled: RwLock<HashMap<Revision, Entry>>,
     capacity: usize,
+    /// Old revisions that are known to be some robot's.
+    old: RwLock<HashMap<String, HashSet<Revision>>>,
     /// Counts uses, to tell which compiled robot was used last.
     clock: AtomicU64,
 }
@@ -56,6 +58,7 @@ impl Registry {
             store,
             compiled: RwLock::default(),
             capacity,
+            old: RwLock::default(),
             clock: AtomicU64::new(0),
         }
     }
@@ -74,10 +77,7 @@ impl Registry {
     ) -> Result<Arc<Compiled>, ServiceError> {
         let current = self.store.current(id.as_str()).ok_or_else(|| no_robot(id))?;
         let revision = match wanted {
-            Some(wanted) if wanted != &*current => {
-                let known = self.store.read(id, wanted).await.map_err(unavailable)?;
-                known.ok_or_else(|| no_revision(id, wanted))?.revision
-            }
+            Some(wanted) if wanted != &*current => self.old_revision(id, wanted).await?,
             _ => current,
         };
         let cell = self.cell(&revision);
@@ -92,6 +92,33 @@ impl Registry {
             Ok::<_, ServiceError>(Arc::new(Compiled { revision, robot }))
         });
         compiling.await.cloned()
+    }
+
+    /// A revision that is not the current one, where it is one of the robot's.
+    async fn old_revision(&self, id: &RobotId, wanted: &str) -> Result<Revision, ServiceError> {
+        {
+            let old = self.old.read().unwrap_or_else(PoisonError::into_inner);
+            let known = old.get(id.as_str()).and_then(|revisions| revisions.get(wanted));
+            if let Some(revision) = known {
+                return Ok(Arc::clone(revision));
+            }
+        }
+        let record = self.store.read(id, wanted).await.map_err(unavailable)?;
+        let revision = record.ok_or_else(|| no_revision(id, wanted))?.revision;
+        let mut old = self.old.write().unwrap_or_else(PoisonError::into_inner);
+        if old.values().map(HashSet::len).sum::<usize>() >= self.capacity {
+            old.clear();
+        }
+        old.entry(id.to_string()).or_default().insert(Arc::clone(&revision));
+        Ok(revision)
+    }
+
+    /// Deletes a robot with all its revisions.
+    pub(crate) async fn delete(&self, id: &RobotId, expected: Option<String>) -> Result<(), store::StoreError> {
+        let deleted = self.store.delete(id, expected).await;
+        let mut old = self.old.write().unwrap_or_else(PoisonError::into_inner);
+        old.remove(id.as_str());
+        deleted
     }
 
     /// Keeps a robot that has just been compiled.

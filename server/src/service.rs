@@ -204,7 +204,7 @@ impl Service {
         request: v1::DeleteRobotRequest,
     ) -> Result<Answer<v1::DeleteRobotResponse>, ServiceError> {
         let id = named(&request.robot_id)?;
-        let deleted = self.registry.store().delete(&id, request.expected_revision).await;
+        let deleted = self.registry.delete(&id, request.expected_revision).await;
         deleted.map_err(|error| match error {
             crate::registry::store::StoreError::NotFound => no_robot(&id),
             other => unavailable(other),

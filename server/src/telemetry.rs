@@ -1,7 +1,10 @@
 //! Logs: structured, to standard error. `info` has the start, the stop and what failed in the service;
 //! `takt_server=debug` adds a line for every request, with its robot, revision, outcome and times.
 
-use std::fmt;
+use std::{
+    fmt,
+    io::{self, IsTerminal},
+};
 
 use tracing_subscriber::{EnvFilter, layer::SubscriberExt, util::SubscriberInitExt};
 
@@ -34,7 +37,12 @@ impl std::error::Error for TelemetryError {}
 pub fn init(format: LogFormat, directives: &str) -> Result<(), TelemetryError> {
     let filter = EnvFilter::try_new(directives);
     let filter = filter.map_err(|error| TelemetryError(format!("{directives:?}: {error}")))?;
-    let layer = tracing_subscriber::fmt::layer().with_writer(std::io::stderr);
+    // Escape sequences are for screens.
+    let plain = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+    let colour = io::stderr().is_terminal() && !plain;
+    let layer = tracing_subscriber::fmt::layer()
+        .with_writer(io::stderr)
+        .with_ansi(colour);
     let registry = tracing_subscriber::registry().with(filter);
     let done = match format {
         LogFormat::Text => registry.with(layer).try_init(),

@@ -23,8 +23,9 @@ Examples:
   takt plan move ur5e --from … --to … --sample-period 8ms --json | takt check ur5e -
 
 The set-points of a plan jump in acceleration at its switching times, and polynomials between samples overshoot such a
-jump: read back like this, a plan that uses all the torque there is breaks its limit. To see what a controller that
-interpolates so would do, and to leave it room, plan with --utilization 0.85 or so.
+jump: by up to a third of it where they are cubic, by half where they are quintic. Read back like this, a plan that uses
+all the torque breaks its limit, as it would on a controller that interpolates so. To leave such a controller room, plan
+with less: --utilization 0.7, say.
 
 A file holds a trajectory, a request to check one, or the reply to a plan with its set-points.
 Exit code 3: a limit is broken; the answer says which, by how much, and when.")]
@@ -85,7 +86,7 @@ pub(crate) async fn run(args: CheckArgs, client: &Client, io: &mut Io) -> Result
     if args.json {
         context::print_json(&reply, io)?;
     } else {
-        io.print(&render::report(&reply, &robot, io.terminal.colour))?;
+        io.print(&render::report(&reply, &robot, io.terminal))?;
     }
     Ok(if reply.holds { exit::OK } else { exit::NO })
 }

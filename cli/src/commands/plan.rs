@@ -13,7 +13,7 @@ use crate::{
     render::{
         csv,
         curves::Curves,
-        html, plan as tables,
+        html, infeasible, plan as tables,
         svg::{self, Heading},
         terminal_plot,
         words::Units,
@@ -171,7 +171,7 @@ pub(crate) async fn run(command: PlanCommand, client: &Client, io: &mut Io) -> R
     match &reply.outcome {
         Some(v1::plan_move_response::Outcome::Plan(plan)) => show(&args, &request, plan, &used, &robot, io)?,
         Some(v1::plan_move_response::Outcome::Infeasible(no)) => {
-            let text = tables::infeasible(no, &robot, io.terminal.colour);
+            let text = infeasible::evidence(no, &robot, io.terminal.colour);
             // Whoever reads CSV must not find sentences in it.
             if args.output.csv {
                 io.remark(text.trim_end())?
@@ -244,7 +244,7 @@ fn show(
         let setpoints = plan.setpoints.clone().unwrap_or_default();
         io.print(&csv::setpoints(&setpoints))?;
     } else if !output.json {
-        io.print(&tables::plan(plan, used, robot, units, io.terminal.colour))?;
+        io.print(&tables::plan(plan, used, robot, units, io.terminal))?;
     }
     if !output.draws() {
         return Ok(());
@@ -264,7 +264,7 @@ fn show(
                 .map(|(name, value, _)| format!("{name}: {value}"))
                 .collect(),
         };
-        files::write(file, &svg::render(&curves, &heading))?;
+        files::write(file, &svg::render(&curves, Some(&heading)))?;
         io.remark(&format!("wrote {file}"))?;
     }
     if let Some(file) = &output.html {

@@ -3,10 +3,7 @@
 use std::{net::SocketAddr, path::PathBuf};
 
 use clap::{Args, ValueEnum};
-use takt_server::{
-    BindError, Config, ConnectionConfig, DrainConfig, Limits, LogFormat, PlannerConfig, Server, StoreConfig,
-    init_telemetry,
-};
+use takt_server::{BindError, Config, LogFormat, Server, StoreConfig, init_telemetry};
 use tokio::signal;
 
 use crate::{exit, failure::Failure, io::Io, numbers};
@@ -37,6 +34,8 @@ pub(crate) struct ServeArgs {
     #[command(flatten)]
     limits: LimitArgs,
     #[command(flatten)]
+    network: NetworkArgs,
+    #[command(flatten)]
     process: ProcessArgs,
 }
 
@@ -61,9 +60,35 @@ struct LimitArgs {
     /// Most requests in work at once.
     #[arg(long, value_name = "COUNT", env = "TAKT_MAX_CONCURRENT_REQUESTS")]
     max_concurrent_requests: Option<usize>,
+    /// Most bytes of all requests in work together.
+    #[arg(long, value_name = "BYTES", env = "TAKT_MAX_BYTES_IN_WORK")]
+    max_bytes_in_work: Option<usize>,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Connections")]
+struct NetworkArgs {
     /// Most connections at once.
     #[arg(long, value_name = "COUNT", env = "TAKT_MAX_CONNECTIONS")]
     max_connections: Option<usize>,
+    /// Most HTTP/2 streams at once on one connection.
+    #[arg(long, value_name = "COUNT", env = "TAKT_MAX_CONCURRENT_STREAMS")]
+    max_concurrent_streams: Option<u32>,
+    /// Most bytes that wait to be sent on one HTTP/2 stream.
+    #[arg(long, value_name = "BYTES", env = "TAKT_MAX_SEND_BUFFER_BYTES")]
+    max_send_buffer_bytes: Option<usize>,
+    /// Time from the connection to the bytes that tell its protocol.
+    #[arg(long, value_name = "TIME", env = "TAKT_DETECT_TIMEOUT", value_parser = numbers::seconds)]
+    detect_timeout: Option<f64>,
+    /// Time for the head of an HTTP/1 request; also how long an idle HTTP/1 connection is kept.
+    #[arg(long, value_name = "TIME", env = "TAKT_HEADER_TIMEOUT", value_parser = numbers::seconds)]
+    header_timeout: Option<f64>,
+    /// Time between HTTP/2 keep-alive pings, and for the answer to one.
+    #[arg(long, value_name = "TIME", env = "TAKT_KEEP_ALIVE", value_parser = numbers::seconds)]
+    keep_alive: Option<f64>,
+    /// Time after which a peer that acknowledges nothing is cut off.
+    #[arg(long, value_name = "TIME", env = "TAKT_UNACKNOWLEDGED_TIMEOUT", value_parser = numbers::seconds)]
+    unacknowledged_timeout: Option<f64>,
 }
 
 #[derive(Debug, Args)]
@@ -103,40 +128,50 @@ enum LogFormatName {
 
 impl ServeArgs {
     fn config(&self) -> Config {
-        let (limits, process) = (&self.limits, &self.process);
-        let standard = Limits::default();
-        let connections = ConnectionConfig::default();
-        Config {
+        let (limits, network, process) = (&self.limits, &self.network, &self.process);
+        let mut config = Config {
             listen: Some(self.listen),
-            store: match self.store.as_str() {
-                "memory" => StoreConfig::Memory,
-                path => StoreConfig::Sqlite(PathBuf::from(path)),
-            },
             examples: self.examples,
-            limits: Limits {
-                max_request_bytes: limits.max_request_bytes.unwrap_or(standard.max_request_bytes),
-                max_states: limits.max_states.unwrap_or(standard.max_states),
-                max_trajectory_points: limits.max_trajectory_points.unwrap_or(standard.max_trajectory_points),
-                max_setpoints: limits.max_setpoints.unwrap_or(standard.max_setpoints),
-                max_concurrent_requests: limits
-                    .max_concurrent_requests
-                    .unwrap_or(standard.max_concurrent_requests),
-                deadline_s: limits.deadline,
-            },
-            planner: PlannerConfig {
-                threads: process.threads,
-                queue_capacity: process.queue_capacity,
-                cached_robots: process.cached_robots,
-            },
-            connections: ConnectionConfig {
-                max_connections: limits.max_connections.unwrap_or(connections.max_connections),
-                ..connections
-            },
-            drain: DrainConfig {
-                notice_s: process.drain_notice,
-                timeout_s: process.drain_timeout,
-            },
-        }
+            ..Config::default()
+        };
+        config.store = match self.store.as_str() {
+            "memory" => StoreConfig::Memory,
+            path => StoreConfig::Sqlite(PathBuf::from(path)),
+        };
+        config.limits.deadline_s = limits.deadline;
+        set(&mut config.limits.max_request_bytes, limits.max_request_bytes);
+        set(&mut config.limits.max_states, limits.max_states);
+        set(&mut config.limits.max_trajectory_points, limits.max_trajectory_points);
+        set(&mut config.limits.max_setpoints, limits.max_setpoints);
+        set(
+            &mut config.limits.max_concurrent_requests,
+            limits.max_concurrent_requests,
+        );
+        set(&mut config.limits.max_bytes_in_work, limits.max_bytes_in_work);
+        let connections = &mut config.connections;
+        set(&mut connections.max_connections, network.max_connections);
+        set(&mut connections.max_concurrent_streams, network.max_concurrent_streams);
+        set(&mut connections.max_send_buffer_bytes, network.max_send_buffer_bytes);
+        set(&mut connections.detect_timeout_s, network.detect_timeout);
+        set(&mut connections.header_timeout_s, network.header_timeout);
+        set(&mut connections.keep_alive_s, network.keep_alive);
+        set(
+            &mut connections.unacknowledged_timeout_s,
+            network.unacknowledged_timeout,
+        );
+        config.planner.threads = process.threads;
+        config.planner.queue_capacity = process.queue_capacity;
+        config.planner.cached_robots = process.cached_robots;
+        config.drain.notice_s = process.drain_notice;
+        config.drain.timeout_s = process.drain_timeout;
+        config
+    }
+}
+
+/// Takes the place of a default where something is given.
+fn set<T: Copy>(field: &mut T, given: Option<T>) {
+    if let Some(value) = given {
+        *field = value;
     }
 }
 
@@ -148,7 +183,7 @@ pub(crate) async fn run(args: ServeArgs, io: &mut Io) -> Result<u8, Failure> {
     init_telemetry(format, &args.process.log).map_err(|error| Failure::usage(format!("--log: {error}")))?;
     // Asked for before the port is open, so that a signal just after the start is not missed.
     let mut signals = Signals::new().map_err(|error| Failure::service(format!("cannot wait for signals: {error}")))?;
-    let server = Server::bind(args.config()).await.map_err(failure)?;
+    let server = Server::bind(args.config()).await.map_err(|error| failure(&error))?;
     io.print(&format!("listening on http://{}\n", server.local_addr()))?;
 
     let (stop, stopped) = tokio::sync::oneshot::channel::<()>();
@@ -167,7 +202,7 @@ pub(crate) async fn run(args: ServeArgs, io: &mut Io) -> Result<u8, Failure> {
     }
 }
 
-fn failure(error: BindError) -> Failure {
+fn failure(error: &BindError) -> Failure {
     let text = error.to_string();
     match error {
         BindError::Config(_) => Failure::usage(text),
@@ -214,5 +249,57 @@ impl Signals {
     #[cfg(not(unix))]
     async fn next(&mut self) {
         let _ = signal::ctrl_c().await;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Debug, Parser)]
+    struct Line {
+        #[command(flatten)]
+        serve: ServeArgs,
+    }
+
+    fn config(line: &[&str]) -> Config {
+        Line::try_parse_from([&["serve"], line].concat())
+            .unwrap()
+            .serve
+            .config()
+    }
+
+    #[test]
+    fn what_is_not_given_is_the_servers_own_default() {
+        let plain = config(&["--store", "memory", "--listen", "127.0.0.1:0"]);
+        assert_eq!(Config { listen: None, ..plain }, Config::default());
+    }
+
+    #[test]
+    fn what_is_given_arrives() {
+        let given = config(&[
+            "--store",
+            "a.db",
+            "--deadline",
+            "2s",
+            "--max-states",
+            "7",
+            "--keep-alive",
+            "500ms",
+        ]);
+        assert_eq!(given.store, StoreConfig::Sqlite("a.db".into()));
+        assert_eq!((given.limits.deadline_s, given.limits.max_states), (2.0, 7));
+        assert_eq!(given.connections.keep_alive_s, 0.5);
+    }
+
+    #[test]
+    fn every_option_has_a_variable() {
+        use clap::CommandFactory;
+        for option in Line::command().get_arguments() {
+            let name = format!("TAKT_{}", option.get_id().as_str().to_uppercase());
+            assert_eq!(option.get_env().and_then(|env| env.to_str()), Some(name.as_str()));
+        }
     }
 }

@@ -9,9 +9,11 @@ use super::{
     table::{Cell, Table, Tone, aligned, paint},
     words,
 };
+use crate::io::Terminal;
 
 /// Whether it holds, the tightest limits, the torque margins.
-pub(crate) fn report(reply: &v1::CheckTrajectoryResponse, robot: &v1::Robot, colour: bool) -> String {
+pub(crate) fn report(reply: &v1::CheckTrajectoryResponse, robot: &v1::Robot, terminal: Terminal) -> String {
+    let colour = terminal.colour;
     let mut out = String::new();
     let broken = reply.limit_uses.iter().filter(|limit| limit.excess > 0.0).count();
     let verdict = match (reply.holds, broken) {
@@ -45,12 +47,12 @@ pub(crate) fn report(reply: &v1::CheckTrajectoryResponse, robot: &v1::Robot, col
     let uses = limit_uses(&reply.limit_uses);
     if !uses.is_empty() {
         out.push('\n');
-        out.push_str(&uses.render(colour));
+        out.push_str(&uses.render_for(terminal));
     }
     let margins = plan::margins(&reply.torque_margins, robot);
     if !margins.is_empty() {
         out.push('\n');
-        out.push_str(&margins.render(colour));
+        out.push_str(&margins.render_for(terminal));
     }
     out.push_str(&plan::warnings(&reply.warnings, colour));
     out
@@ -114,7 +116,7 @@ mod tests {
             }],
             ..Default::default()
         };
-        let text = report(&reply, &example::robot(), false);
+        let text = report(&reply, &example::robot(), example::PAPER);
         assert!(text.starts_with("does not hold  1 limit is broken"), "{text}");
         assert!(text.contains("10.0 % over") && text.contains("0.500"), "{text}");
     }

@@ -2,6 +2,16 @@
 
 use takt_client::v1;
 
+use crate::io::Terminal;
+
+/// Plain text of any width.
+pub(crate) const PAPER: Terminal = Terminal {
+    width: 100,
+    table_width: None,
+    colour: false,
+    error_colour: false,
+};
+
 pub(crate) const TIMES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
 /// Two joints, one that turns and one that slides.

@@ -7,7 +7,7 @@ use takt_client::v1;
 use super::{
     curves::Curves,
     plan,
-    svg::{self, Heading, escape},
+    svg::{self, escape},
     table::number,
     words::{self, Units},
 };
@@ -19,9 +19,9 @@ section{background:#fff;border:1px solid #dfe3e8;border-radius:8px;padding:18px 
 .note{color:#4b5563;margin:0}.cards{display:flex;flex-wrap:wrap;gap:12px;margin-top:18px}\
 .card{flex:1 1 200px;background:#fff;border:1px solid #dfe3e8;border-radius:8px;padding:12px 16px}\
 .card b{display:block;font-size:24px;line-height:1.3}.card span{color:#4b5563;font-size:13px}\
-table{border-collapse:collapse;width:100%;font-variant-numeric:tabular-nums}th,td{padding:6px 10px;text-align:right;\
+table{border-collapse:collapse;width:100%;font-variant-numeric:tabular-nums;font-size:14px}th,td{padding:6px 9px;text-align:right;\
 border-bottom:1px solid #e7eaee;white-space:nowrap}th:first-child,td:first-child{text-align:left}\
-th{color:#4b5563;font-weight:600;font-size:13px}.bar{display:inline-block;width:120px;height:10px;background:#e7eaee;\
+th{color:#4b5563;font-weight:600;font-size:13px}.bar{display:inline-block;width:90px;height:10px;background:#e7eaee;\
 border-radius:5px;vertical-align:middle;overflow:hidden}.bar i{display:block;height:100%;background:#0072b2}\
 .bar.over i{background:#d55e00}.bad{color:#b34700;font-weight:600}svg{max-width:100%;height:auto}\
 dl{display:grid;grid-template-columns:max-content 1fr;gap:4px 18px;margin:0}dt{color:#4b5563}dd{margin:0}\
@@ -53,13 +53,7 @@ pub(crate) fn render(
     margins(&mut out, plan, robot);
     motion(&mut out, plan, robot, units);
     out.push_str("<section>\n<h2>Speed and torque</h2>\n");
-    out.push_str(&svg::render(
-        curves,
-        &Heading {
-            title: String::new(),
-            lines: Vec::new(),
-        },
-    ));
+    out.push_str(&svg::render(curves, None));
     out.push_str("</section>\n");
     let _ = write!(
         out,

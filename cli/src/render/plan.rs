@@ -5,9 +5,10 @@ use std::fmt::Write;
 use takt_client::v1;
 
 use super::{
-    table::{Cell, Table, Tone, aligned, number, paint},
+    table::{Cell, Table, Tone, aligned, paint},
     words::{self, JointUnit, Units},
 };
+use crate::io::Terminal;
 
 /// Below this margin a joint is marked as tight.
 const TIGHT: f64 = 0.02;
@@ -18,8 +19,9 @@ pub(crate) fn plan(
     provenance: &v1::Provenance,
     robot: &v1::Robot,
     units: Units,
-    colour: bool,
+    terminal: Terminal,
 ) -> String {
+    let colour = terminal.colour;
     let mut out = String::new();
     for (name, value, tone) in facts(plan) {
         let _ = writeln!(
@@ -35,11 +37,11 @@ pub(crate) fn plan(
     );
     let _ = writeln!(out, "{}  {revision}", paint("robot     ", Tone::Bold, colour));
     out.push('\n');
-    out.push_str(&motion(plan, robot, units).render(colour));
+    out.push_str(&motion(plan, robot, units).render_for(terminal));
     let margins = margins(&plan.torque_margins, robot);
     if !margins.is_empty() {
         out.push('\n');
-        out.push_str(&margins.render(colour));
+        out.push_str(&margins.render_for(terminal));
     }
     out.push_str(&warnings(&plan.warnings, colour));
     out
@@ -253,50 +255,6 @@ pub(crate) fn warnings(warnings: &[String], colour: bool) -> String {
     out
 }
 
-/// A move that cannot be: the evidence, and what would help.
-pub(crate) fn infeasible(infeasible: &v1::Infeasible, robot: &v1::Robot, colour: bool) -> String {
-    let unit = Units::default().of(robot, &infeasible.joint).torque;
-    let mut out = format!(
-        "{} {}\n\n",
-        paint("infeasible:", Tone::Bad, colour),
-        words::reason(infeasible.reason())
-    );
-    let mut line = |name: &str, value: &str| {
-        let _ = writeln!(out, "{}  {value}", paint(&format!("{name:<10}"), Tone::Bold, colour));
-    };
-    line("joint", &infeasible.joint);
-    let place = match infeasible.location {
-        location if location <= 0.0 => "at the start".to_owned(),
-        location if location >= 1.0 => "at the target".to_owned(),
-        location => format!(
-            "{:.1} % of the way, at {:.3} s of the plan as it was tried",
-            100.0 * location,
-            infeasible.time_s
-        ),
-    };
-    line("where", &place);
-    let (needed, available) = (infeasible.needed, infeasible.available);
-    let over = 100.0 * (needed.abs() / available - 1.0);
-    let over = if over.is_finite() {
-        format!(" ({over:.1} % over the limit)")
-    } else {
-        String::new()
-    };
-    line("needed", &format!("{} {unit}{over}", number(needed, 5)));
-    line("available", &format!("{} {unit}", number(available, 5)));
-    line(
-        "of which",
-        &format!("{} {unit} are gravity's", number(infeasible.gravity_torque, 5)),
-    );
-    if let Some(mass) = infeasible.feasible_payload_kg {
-        line("payload", &format!("up to {} kg would do", number(mass, 4)));
-    }
-    if !infeasible.suggestion.is_empty() {
-        line("remedy", &infeasible.suggestion);
-    }
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -313,7 +271,7 @@ mod tests {
             &example::provenance(),
             &example::robot(),
             Units::default(),
-            false,
+            example::PAPER,
         );
         for part in [
             "duration    1.000 s  (verified method)",
@@ -340,36 +298,10 @@ mod tests {
             &example::provenance(),
             &example::robot(),
             Units { degrees: true },
-            false,
+            example::PAPER,
         );
         assert!(text.contains("move [deg or m]"), "{text}");
         assert!(row(&text, "turn", 0).contains("85.94"), "{text}");
-    }
-
-    #[test]
-    fn a_refusal_shows_its_evidence() {
-        let no = v1::Infeasible {
-            reason: v1::infeasible::Reason::HoldingTorque.into(),
-            joint: "turn".to_owned(),
-            location: 1.0,
-            needed: -120.0,
-            available: 100.0,
-            gravity_torque: -115.0,
-            suggestion: "carry less".to_owned(),
-            feasible_payload_kg: Some(3.2),
-            ..Default::default()
-        };
-        let text = infeasible(&no, &example::robot(), false);
-        for part in [
-            "cannot be held",
-            "at the target",
-            "-120.00 N m (20.0 % over",
-            "100.00 N m",
-            "3.200 kg",
-            "carry less",
-        ] {
-            assert!(text.contains(part), "{part:?} is not in\n{text}");
-        }
     }
 
     #[test]
@@ -379,8 +311,7 @@ mod tests {
             &v1::Provenance::default(),
             &v1::Robot::default(),
             Units::default(),
-            true,
+            example::PAPER,
         );
-        infeasible(&v1::Infeasible::default(), &v1::Robot::default(), true);
     }
 }

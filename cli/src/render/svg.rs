@@ -10,7 +10,7 @@ use super::{
     table::number,
 };
 
-/// What stands above the curves.
+/// What stands above the curves; a picture inside a report needs nothing.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Heading {
     pub(crate) title: String,
@@ -36,25 +36,32 @@ text{font-family:system-ui,'Segoe UI','Helvetica Neue',Arial,'DejaVu Sans',sans-
 .peak{fill:#fff;stroke:#0072b2;stroke-width:2}.peak-text{fill:#00527f;font-size:11px;font-weight:600;paint-order:stroke;\
 stroke:#fff;stroke-width:3px;stroke-linejoin:round}";
 
-/// The picture as a document of its own.
-pub(crate) fn render(curves: &Curves, heading: &Heading) -> String {
+/// The picture: a document of its own where it has a heading, else a part of one.
+pub(crate) fn render(curves: &Curves, heading: Option<&Heading>) -> String {
     #[allow(clippy::cast_precision_loss, reason = "a few lines and joints")]
-    let (lines, rows) = (heading.lines.len() as f64, curves.joints.len() as f64);
-    let top = 52.0 + 19.0 * lines + 30.0;
+    let (lines, rows) = (
+        heading.map_or(0, |heading| heading.lines.len()) as f64,
+        curves.joints.len() as f64,
+    );
+    let legend_at = if heading.is_some() { 62.0 + 19.0 * lines } else { 18.0 };
+    let top = legend_at + 20.0;
     let height = top + ROW * rows + 26.0;
+    let title = heading.map_or("speed and torque of every joint", |heading| heading.title.as_str());
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height}\" width=\"{WIDTH}\" \
          height=\"{height}\" role=\"img\">\n<title>{}</title>\n<style>{STYLE}</style>\n\
          <rect width=\"{WIDTH}\" height=\"{height}\" fill=\"#fff\"/>\n",
-        escape(&heading.title)
+        escape(title)
     );
-    text(&mut out, 20.0, 36.0, "title", &heading.title);
-    let mut y = 36.0;
-    for line in &heading.lines {
-        y += 19.0;
-        text(&mut out, 20.0, y, "sub", line);
+    if let Some(heading) = heading {
+        text(&mut out, 20.0, 36.0, "title", &heading.title);
+        let mut y = 36.0;
+        for line in &heading.lines {
+            y += 19.0;
+            text(&mut out, 20.0, y, "sub", line);
+        }
     }
-    legend(&mut out, y + 26.0);
+    legend(&mut out, legend_at);
     let mut y = top;
     for joint in &curves.joints {
         row(&mut out, &curves.time, joint, y);
@@ -186,17 +193,13 @@ fn panel(out: &mut String, time: &[f64], curve: &Curve, switches: Option<(f64, f
     }
     if let Some((index, value)) = curve.peak().filter(|(_, value)| *value != 0.0) {
         let at = time.get(index).copied().unwrap_or(0.0);
-        peak(
-            out,
-            (x(at), y(value)),
-            (left, right, top, bottom),
-            &format!("{} at {at:.3} s", number(value, 4)),
-        );
+        let label = format!("{} at {at:.3} s", number(value, 4));
+        peak(out, (x(at), y(value)), value > 0.0, [left, right, top, bottom], &label);
     }
 }
 
 /// The mark of the tightest moment; its words stay inside the panel, on the side that has room.
-fn peak(out: &mut String, (x, y): (f64, f64), (left, right, top, bottom): (f64, f64, f64, f64), label: &str) {
+fn peak(out: &mut String, (x, y): (f64, f64), rises: bool, [left, right, top, bottom]: [f64; 4], label: &str) {
     const WORDS: f64 = 110.0;
     let _ = writeln!(out, "<circle class=\"peak\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\"/>");
     let (text_x, class) = if x + WORDS > right && x - WORDS > left {
@@ -204,11 +207,13 @@ fn peak(out: &mut String, (x, y): (f64, f64), (left, right, top, bottom): (f64, 
     } else {
         (x + 8.0, "peak-text")
     };
-    let below = y + 17.0;
-    let text_y = if below < bottom - 4.0 {
-        below
-    } else {
-        (y - 9.0).max(top + 12.0)
+    let (above, below) = (y - 9.0, y + 17.0);
+    // Outside of the curve, unless the frame is there.
+    let text_y = match rises {
+        true if above > top + 12.0 => above,
+        false if below < bottom - 4.0 => below,
+        true => below,
+        false => above,
     };
     text(out, text_x, text_y, class, label);
 }
@@ -223,10 +228,10 @@ mod tests {
         curves.joints[1].joint = "<slide> & \"co\"".to_owned();
         render(
             &curves,
-            &Heading {
+            Some(&Heading {
                 title: "arm <1>".to_owned(),
                 lines: vec!["1.000 s".to_owned()],
-            },
+            }),
         )
     }
 
@@ -261,8 +266,8 @@ mod tests {
         curves.joints[0].torque.values = vec![f64::NAN; 5];
         curves.joints[0].velocity.values = vec![0.0; 5];
         curves.joints[1].torque.values.clear();
-        let svg = render(&curves, &Heading::default());
+        let svg = render(&curves, None);
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
-        render(&Curves::default(), &Heading::default());
+        render(&Curves::default(), Some(&Heading::default()));
     }
 }

@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use crate::io::Terminal;
+
 /// What a piece of text means; shown as a colour where there are colours, never by colour alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Tone {
@@ -64,6 +66,9 @@ pub(crate) struct Table {
 /// Space between columns.
 const GAP: &str = "  ";
 
+/// Columns that stay however narrow the screen is.
+const FEWEST: usize = 4;
+
 impl Table {
     pub(crate) fn new<T: Into<String>>(head: impl IntoIterator<Item = T>) -> Self {
         let head: Vec<String> = head.into_iter().map(Into::into).collect();
@@ -88,20 +93,52 @@ impl Table {
         self.rows.is_empty()
     }
 
-    pub(crate) fn render(&self, colour: bool) -> String {
+    /// As [`Self::render`], without the last columns where all are too wide for the screen.
+    pub(crate) fn render_for(&self, terminal: Terminal) -> String {
+        let Some(room) = terminal.table_width else {
+            return self.render(terminal.colour);
+        };
+        let widths = self.widths();
+        let gap = GAP.chars().count();
+        let mut shown = widths.len();
+        while shown > FEWEST && widths[..shown].iter().sum::<usize>() + gap * (shown - 1) > room {
+            shown -= 1;
+        }
+        if shown == widths.len() {
+            return self.render(terminal.colour);
+        }
+        let narrow = Self {
+            head: self.head[..shown].to_vec(),
+            rows: self
+                .rows
+                .iter()
+                .map(|row| row[..shown.min(row.len())].to_vec())
+                .collect(),
+            first_number: self.first_number,
+        };
+        let note = format!("in a wider window also: {}", self.head[shown..].join(", "));
+        format!(
+            "{}{}\n",
+            narrow.render(terminal.colour),
+            paint(&note, Tone::Dim, terminal.colour)
+        )
+    }
+
+    fn widths(&self) -> Vec<usize> {
         let width = |column: usize| {
             let cells = self
                 .rows
                 .iter()
                 .filter_map(|row| row.get(column))
                 .map(|cell| cell.text.as_str());
-            cells
-                .chain([self.head[column].as_str()])
-                .map(|text| text.chars().count())
-                .max()
-                .unwrap_or(0)
+            let texts = cells.chain([self.head[column].as_str()]);
+            texts.map(|text| text.chars().count()).max().unwrap_or(0)
         };
-        let widths: Vec<usize> = (0..self.head.len()).map(width).collect();
+        (0..self.head.len()).map(width).collect()
+    }
+
+    pub(crate) fn render(&self, colour: bool) -> String {
+        let widths = self.widths();
         let mut out = String::new();
         let head: Vec<Cell> = self
             .head
@@ -197,6 +234,23 @@ mod tests {
                 .map_or(part, |(code, rest)| if code.starts_with('[') { rest } else { part })
         });
         assert_eq!(bare.collect::<String>(), text);
+    }
+
+    #[test]
+    fn a_narrow_screen_loses_the_last_columns_and_is_told() {
+        let mut table = Table::new(["one", "two", "three", "four", "five"]);
+        table.row(["1", "2", "3", "4", "5"]);
+        let terminal = |table_width| Terminal {
+            width: 20,
+            table_width,
+            colour: false,
+            error_colour: false,
+        };
+        assert_eq!(table.render_for(terminal(None)), table.render(false));
+        assert_eq!(table.render_for(terminal(Some(27))), table.render(false));
+        let narrow = table.render_for(terminal(Some(26)));
+        assert!(narrow.ends_with("in a wider window also: five\n"), "{narrow}");
+        assert!(narrow.starts_with("one  two  three  four\n"), "{narrow}");
     }
 
     #[test]

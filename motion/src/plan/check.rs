@@ -10,7 +10,7 @@ use super::request::{CheckRequest, Interpolation, TrajectoryPoint};
 use crate::budget::Budget;
 use crate::error::Invalid;
 use crate::robot::Robot;
-use crate::tolerance::{CHECK_EXCESS, POINT_SPACING_MIN, POSITION_MAX, TRAJECTORY_POINTS_MAX};
+use crate::tolerance::{CHECK_EXCESS, POINT_SPACING_MIN, POSITION_MAX, TRAJECTORY_POINTS_MAX, TRAJECTORY_TRAVEL_MAX};
 use crate::trajectory::{Polynomial, Trajectory, evaluate};
 use crate::verify::{JointDemand, Verification, Verifier};
 use roots::{derivative, roots};
@@ -49,6 +49,7 @@ pub fn check_trajectory(robot: &Robot, request: &CheckRequest, budget: &Budget<'
         return Err(Failure::invalid("cycle_time_s", message));
     }
     let motion = interpolate(points, interpolation);
+    check_travel(&motion)?;
     let torque_limits: Vec<Option<f64>> = limits.iter().map(|limit| limit.torque).collect();
     let verification = verify(robot, &torque_limits, &motion, budget)?;
     let mut limit_uses = limit_uses(robot, &limits, &motion, &verification, interpolation);
@@ -62,7 +63,7 @@ pub fn check_trajectory(robot: &Robot, request: &CheckRequest, budget: &Budget<'
             &verification,
             duration,
             cycle_time,
-            &last.position,
+            &[(duration, &last.position)],
             |joint, demand| phase(&motion, joint, demand),
         ),
         limit_uses,
@@ -100,7 +101,7 @@ fn check_points(robot: &Robot, request: &CheckRequest, wrong: &mut Vec<Invalid>)
     let mut before = None;
     for (index, point) in points.iter().enumerate() {
         check_point(robot, index, point, interpolation, before, wrong);
-        before = Some(point.time);
+        before = Some(point.time).filter(|time| time.is_finite()).or(before);
         if wrong.len() >= FINDINGS_MAX {
             break;
         }
@@ -188,6 +189,28 @@ fn interpolate(points: &[TrajectoryPoint], interpolation: Interpolation) -> Traj
         times.push(to);
     }
     Trajectory::new(joint_count, times, polynomials)
+}
+
+/// Bounds the samples that a trajectory needs: velocities between points may take it farther than the points are apart.
+fn check_travel(motion: &Trajectory) -> Result<(), Failure> {
+    let mut travel = 0.0;
+    for (segment, ends) in motion.times().windows(2).enumerate() {
+        // joints do not turn round within a segment
+        travel += motion
+            .segment(segment)
+            .iter()
+            .map(|p| (evaluate(p, ends[1] - ends[0]).position - p[0]).abs())
+            .sum::<f64>();
+        // not a number counts as too far
+        if travel.is_nan() || travel > TRAJECTORY_TRAVEL_MAX {
+            let message = format!(
+                "by {} s the joints travel more than {TRAJECTORY_TRAVEL_MAX} rad or m in all",
+                ends[1]
+            );
+            return Err(Failure::invalid("trajectory.points", message));
+        }
+    }
+    Ok(())
 }
 
 /// The polynomial between two points.

@@ -21,6 +21,7 @@ pub(super) fn of_move(
         .zip(&problem.displacement)
         .map(|(start, by)| start + by)
         .collect();
+    let rests = [(0.0, problem.start.as_slice()), (duration, target.as_slice())];
     let motion = (duration > 0.0).then(|| Trajectory::of_patterns(&problem.start, patterns));
     let limits = problem.torque_limits();
     of_demands(
@@ -29,7 +30,7 @@ pub(super) fn of_move(
         verification,
         duration,
         cycle_time,
-        &target,
+        &rests,
         |joint, demand| {
             motion.as_ref().map_or(Phase::Hold, |motion| {
                 patterns[joint].phase(motion.middle(demand.segment), duration)
@@ -38,24 +39,35 @@ pub(super) fn of_move(
     )
 }
 
-/// The margins of any motion that ends at rest in `last`.
+/// The margins of any motion that is at rest at given times and positions, the last of them at its end.
 pub(super) fn of_demands(
     robot: &Robot,
     limits: &[Option<f64>],
     verification: &Verification,
     duration: f64,
     cycle_time: f64,
-    last: &[f64],
+    rests: &[(f64, &[f64])],
     phase: impl Fn(usize, &JointDemand) -> Phase,
 ) -> Vec<TorqueMargin> {
-    let mut holding = vec![0.0; last.len()];
-    dynamics::gravity_torque(robot, &mut Workspace::new(robot), last, &mut holding);
-    let mut margins = Vec::with_capacity(last.len());
+    let workspace = &mut Workspace::new(robot);
+    let holding: Vec<(f64, Vec<f64>)> = rests
+        .iter()
+        .map(|(time, position)| {
+            let mut torque = vec![0.0; position.len()];
+            dynamics::gravity_torque(robot, workspace, position, &mut torque);
+            (*time, torque)
+        })
+        .collect();
+    let mut margins = Vec::with_capacity(limits.len());
     for (joint, (limit, demand)) in limits.iter().zip(&verification.joints).enumerate() {
         let Some(limit) = *limit else { continue };
-        let hold = holding[joint];
-        let at_rest = hold.abs() > demand.peak_torque.abs();
-        let peak_torque = if at_rest { hold } else { demand.peak_torque };
+        let (mut peak_torque, mut time, mut at_rest) = (demand.peak_torque, demand.time, false);
+        for (rest, torque) in &holding {
+            if torque[joint].abs() > peak_torque.abs() {
+                (peak_torque, time, at_rest) = (torque[joint], *rest, true);
+            }
+        }
+        let hold = holding.last().map_or(0.0, |(_, torque)| torque[joint]);
         let rms_torque = if cycle_time > 0.0 {
             ((demand.torque_squared + hold * hold * (cycle_time - duration)) / cycle_time).sqrt()
         } else {
@@ -66,7 +78,7 @@ pub(super) fn of_demands(
             joint,
             limit,
             peak_torque,
-            time: if at_rest { duration } else { demand.time },
+            time,
             phase: if at_rest { Phase::Hold } else { phase(joint, demand) },
             margin: (limit - peak_torque.abs()) / limit,
             rms_torque,

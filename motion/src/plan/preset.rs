@@ -2,7 +2,7 @@
 
 use super::outcome::Pattern;
 use super::problem::Problem;
-use crate::tolerance::RATE_RESERVE;
+use crate::tolerance::{RATE_RESERVE, SQUARE_ROUNDING};
 
 /// The raw preset pattern of a move, unchecked; `None` where a joint that moves has no preset acceleration.
 pub(super) fn plan(problem: &Problem) -> Option<Vec<Pattern>> {
@@ -76,16 +76,18 @@ pub(super) fn second_calculation(
 ) -> Option<Pattern> {
     let distance = displacement.abs();
     let per_speed = (acceleration + deceleration) / (acceleration * deceleration);
-    // eq 94
+    // eq 94; what rounding leaves of a triangle's square is none, or its root would be a cruise of a ten-millionth
     let square = time * time - 2.0 * distance * per_speed;
-    if square < 0.0 {
+    let rounding = SQUARE_ROUNDING * time * time;
+    if square < -rounding {
         return None;
     }
-    let cruise = square.sqrt();
+    let cruise = if square <= rounding { 0.0 } else { square.sqrt() };
     let peak = (time - cruise) / per_speed;
-    if peak > velocity {
+    if peak > velocity * (1.0 + SQUARE_ROUNDING) {
         return None;
     }
+    let peak = peak.min(velocity);
     let (up, down) = (peak / acceleration, peak / deceleration);
     let sign = displacement.signum();
     Some(Pattern {
@@ -95,7 +97,11 @@ pub(super) fn second_calculation(
         deceleration: sign * deceleration,
         acceleration_time: up,
         // what is left of the time, so that all joints end together to the last bit that matters
-        cruise_time: (time - up - down).max(0.0),
+        cruise_time: if cruise == 0.0 {
+            0.0
+        } else {
+            (time - up - down).max(0.0)
+        },
         deceleration_time: down,
     })
 }

@@ -99,7 +99,6 @@ impl Problem {
             if let Some(message) = outside(*target, lower, upper) {
                 let message = format!("joint \"{}\": {message}", self.name(joint));
                 wrong.push(Invalid::new(format!("target.position[{joint}]"), message));
-                continue;
             }
             let Some(message) = outside(self.start[joint], lower, upper) else {
                 continue;
@@ -250,6 +249,7 @@ pub(super) fn limits_in_force(
         let peak = joints[joint].drive.peak_torque;
         tighten(&mut limits[joint], change, peak, &path, wrong);
     }
+    // by default it is the acceleration limit's, and so follows it
     for limit in &mut limits {
         limit.deceleration = limit.deceleration.or(limit.acceleration);
     }

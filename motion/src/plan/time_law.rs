@@ -19,6 +19,10 @@ const EDGE_STEPS: usize = 20;
 /// How far from a known law the next one is looked for, as part of its speed.
 const NEAR: f64 = 0.02;
 
+/// Part of the speed that is possible in any case which is kept back: at the speed itself two ramps may fill the way
+/// exactly, and a rounding decides whether they fit. Pinned by `ramps_that_just_fit_are_found`.
+const FIT_RESERVE: f64 = 1.0e-12;
+
 /// 1/φ.
 const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
@@ -127,7 +131,7 @@ pub(super) fn fastest(bounds: &Bounds, velocity_max: f64, near: Option<&TimeLaw>
     let safe_square = lowest(&bounds.acceleration)
         .min(lowest(&bounds.deceleration))
         .min(lowest(&bounds.cruise));
-    let safe = velocity_max.min(safe_square.max(0.0).sqrt());
+    let safe = velocity_max.min(safe_square.max(0.0).sqrt() * (1.0 - FIT_RESERVE));
     if safe.is_nan() || safe <= 0.0 {
         return None;
     }
@@ -295,5 +299,27 @@ impl Seen {
         self.add(velocity, duration);
         self.last = [self.last[1], (velocity, duration)];
         duration
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ramps_that_just_fit_are_found() {
+        for step in 1..1000 {
+            let rate = 0.37 * f64::from(step);
+            let bounds = Bounds {
+                s: vec![0.0, 0.3, 0.5, 1.0],
+                acceleration: vec![rate; 4],
+                deceleration: vec![rate; 4],
+                cruise: vec![f64::INFINITY; 4],
+            };
+            let law = fastest(&bounds, f64::MAX, None).expect("half the way up, half the way down");
+            assert!(law.acceleration <= rate && law.deceleration <= rate, "{law:?}");
+            let duration = 2.0 / rate.sqrt();
+            assert!((law.duration() - duration).abs() <= 1e-9 * duration, "{law:?}");
+        }
     }
 }

@@ -18,14 +18,14 @@ use super::outcome::{Infeasible, Pattern};
 use super::preset::speed;
 use super::problem::Problem;
 use super::time_law::{self, Bounds, TimeLaw};
-use super::{Failure, feasible};
+use super::{Failure, feasible, slow};
 use crate::budget::Budget;
 use crate::dynamics::path::PathTerms;
 use crate::tolerance::{
     CRUISE_MIN, EXCHANGE_ROUNDS, INTERVALS_MIN, PATH_ACCELERATION_MAX, PLAN_RESERVE, RATE_RESERVE, SAMPLE_TRAVEL,
     VERIFY_RESERVE,
 };
-use crate::trajectory::Trajectory;
+use crate::trajectory::{self, Trajectory};
 use crate::verify::{Verification, Verifier};
 
 /// Samples closer than this part of the way are one.
@@ -49,6 +49,7 @@ pub(super) fn plan(
     let mut path = Path::new(problem);
     let torque_limits = problem.torque_limits();
     let mut law: Option<TimeLaw> = None;
+    let mut last = None;
     for round in 0..EXCHANGE_ROUNDS {
         budget.check()?;
         if let Some(infeasible) = path.infeasible.take() {
@@ -77,8 +78,15 @@ pub(super) fn plan(
             .collect();
         path.add(&places);
         law = Some(found);
+        last = Some((patterns, verification));
     }
-    Ok(Err(feasible::no_speed(problem)))
+    // The exchange has not ended, mostly between two laws that take turns; what it lacks is a small part of the speed.
+    let Some((patterns, verification)) = last else {
+        return Ok(Err(feasible::no_speed(problem)));
+    };
+    let duration = trajectory::duration(&patterns);
+    let slowed = slow::until_it_holds(problem, verifier, &patterns, verification, budget)?;
+    Ok(slowed.map_err(|peak| feasible::never_slow_enough(problem, &peak, duration)))
 }
 
 /// By how much the largest torque exceeds its limit, relative to it; negative where all hold.

@@ -5,6 +5,9 @@ use takt_motion::{POSITION_MAX, nalgebra::Isometry3};
 use super::{Findings, Path, robot};
 use crate::v1;
 
+/// Largest velocity or acceleration of a state: its square is computed with.
+const RATE_MAX: f64 = 1e9;
+
 const QUANTITIES: &str = "MASS_MATRIX, JACOBIAN";
 
 /// What to return beside the torques.
@@ -48,17 +51,13 @@ fn check(findings: &mut Findings, at: Path<'_>, values: &[f64], joint_count: Opt
         return;
     }
     findings.joint_values(at, values, joint_count);
+    findings.at_most(at, values, RATE_MAX);
 }
 
 /// Positions as far out as the planner takes them: beyond, sines lose their accuracy.
 fn check_position(findings: &mut Findings, at: Path<'_>, values: &[f64], joint_count: Option<usize>) {
     findings.joint_values(at, values, joint_count);
-    for (index, &value) in values.iter().enumerate() {
-        if value.is_finite() && value.abs() > POSITION_MAX {
-            let message = format!("{value} must be at most {POSITION_MAX} either way");
-            findings.push(at.index(index), message);
-        }
-    }
+    findings.at_most(at, values, POSITION_MAX);
 }
 
 /// Reads what to return.

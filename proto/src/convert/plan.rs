@@ -7,7 +7,7 @@ use takt_motion::plan::{
     },
     request::{CheckRequest, Interpolation, LimitOverride, Method, MoveRequest, Sampling, TrajectoryPoint},
 };
-use takt_motion::robot::spec::RobotSpec;
+use takt_motion::robot::{JOINTS_MAX, spec::RobotSpec};
 
 use super::{Findings, Path, quoted, robot};
 use crate::v1;
@@ -63,6 +63,11 @@ fn limit_overrides(
     robot: Option<&RobotSpec>,
     findings: &mut Findings,
 ) -> Vec<LimitOverride> {
+    let most = robot.map_or(JOINTS_MAX, |robot| robot.joints.len());
+    if wire.len() > most {
+        findings.push(at, format!("has {} entries, one a joint is {most}", wire.len()));
+        return Vec::new();
+    }
     let mut limits: Vec<LimitOverride> = Vec::with_capacity(wire.len());
     for (index, limit) in wire.into_iter().enumerate() {
         let at = at.index(index);
@@ -160,8 +165,10 @@ fn points(
     let mut before = f64::NEG_INFINITY;
     let points = wire.into_iter().enumerate().map(|(index, point)| {
         let at = at.index(index);
-        let time = findings.finite(at.field("time_s"), point.time_s);
-        if time < 0.0 {
+        let time = point.time_s;
+        if !time.is_finite() {
+            findings.finite(at.field("time_s"), time);
+        } else if time < 0.0 {
             findings.push(at.field("time_s"), format!("{time} s must not be negative"));
         } else if time <= before {
             findings.push(
@@ -169,7 +176,9 @@ fn points(
                 format!("{time} s must be after the point before, {before} s"),
             );
         }
-        before = time;
+        if time.is_finite() {
+            before = time;
+        }
         findings.joint_values(at.field("position"), &point.position, joint_count);
         for (name, values) in [("velocity", &point.velocity), ("acceleration", &point.acceleration)] {
             if !values.is_empty() {

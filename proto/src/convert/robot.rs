@@ -1,7 +1,10 @@
 //! Robot descriptions in, registered robots out.
 
+mod findings;
+
+use std::collections::HashSet;
+
 use takt_motion::{
-    Invalid,
     nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3},
     robot::{
         description::{Description, DhConvention, DhLink, DriveEntry, FrictionEntry, JointEntry, Kinematics},
@@ -9,11 +12,17 @@ use takt_motion::{
     },
 };
 
+pub use self::findings::{finding_on_description, finding_on_spec};
 use super::{Findings, Path, quoted};
 use crate::v1;
 
 /// How far the norm of a quaternion may be from 1: four written digits are enough. It is normalized.
 const QUATERNION_NORM_TOLERANCE: f64 = 1e-3;
+
+/// Bounds of a payload and of distances: the same that a description has. Beyond, a unit is mistaken.
+const MASS_MAX: f64 = 1e6;
+const LENGTH_MAX: f64 = 1e5;
+const INERTIA_MAX: f64 = 1e9;
 
 const CONVENTIONS: &str = "STANDARD, MODIFIED";
 const DH_JOINT_TYPES: &str = "REVOLUTE, PRISMATIC";
@@ -198,12 +207,13 @@ fn drive_entry(wire: &v1::Drive, at: Path<'_>, findings: &mut Findings) -> Drive
 }
 
 fn frames(wire: &[v1::Frame], at: Path<'_>, findings: &mut Findings) -> Vec<(String, Isometry3<f64>)> {
-    let mut frames: Vec<(String, Isometry3<f64>)> = Vec::with_capacity(wire.len());
+    let mut frames = Vec::with_capacity(wire.len());
+    let mut names = HashSet::new();
     for (index, frame) in wire.iter().enumerate() {
         let at = at.index(index);
         if frame.name.is_empty() {
             findings.push(at.field("name"), "must be given");
-        } else if frames.iter().any(|(name, _)| *name == frame.name) {
+        } else if !names.insert(frame.name.as_str()) {
             findings.push(at.field("name"), format!("{} is there twice", quoted(&frame.name)));
         }
         let pose = match &frame.pose {
@@ -218,24 +228,29 @@ fn frames(wire: &[v1::Frame], at: Path<'_>, findings: &mut Findings) -> Vec<(Str
     frames
 }
 
-/// Reads a payload.
+/// Reads a payload, in the bounds of a description's.
 pub fn payload(wire: &v1::Payload, at: Path<'_>, findings: &mut Findings) -> Inertial {
+    let mass_at = at.field("mass_kg");
     let mass = match wire.mass_kg {
-        Some(mass) if mass < 0.0 => {
-            findings.push(at.field("mass_kg"), format!("{mass} kg must not be negative"));
-            0.0
-        }
-        Some(mass) => findings.finite(at.field("mass_kg"), mass),
+        Some(mass) => findings.within(mass_at, mass, 0.0..=MASS_MAX, " kg"),
         None => {
-            findings.push(at.field("mass_kg"), "must be given");
+            findings.push(mass_at, "must be given");
             0.0
         }
     };
-    let center = findings.vector(at.field("center_of_mass_m"), &wire.center_of_mass_m);
+    let center_at = at.field("center_of_mass_m");
+    let center = findings.vector(center_at, &wire.center_of_mass_m);
+    findings.at_most(center_at, &wire.center_of_mass_m, LENGTH_MAX);
+    let inertia_at = at.field("inertia_kg_m2");
+    findings.at_most(inertia_at, &wire.inertia_kg_m2, INERTIA_MAX);
+    let inertia = inertia(&wire.inertia_kg_m2, inertia_at, findings);
+    if wire.mass_kg == Some(0.0) && inertia != Matrix3::zeros() {
+        findings.push(inertia_at, "must be zero where mass_kg is 0");
+    }
     Inertial {
         mass,
         center_of_mass: center.unwrap_or_else(Vector3::zeros),
-        inertia: inertia(&wire.inertia_kg_m2, at.field("inertia_kg_m2"), findings),
+        inertia,
     }
 }
 
@@ -249,6 +264,7 @@ pub fn tool(wire: &v1::Tool, at: Path<'_>, findings: &mut Findings) -> Isometry3
 
 fn pose(wire: &v1::Pose, at: Path<'_>, findings: &mut Findings) -> Isometry3<f64> {
     let position = findings.vector(at.field("position_m"), &wire.position_m);
+    findings.at_most(at.field("position_m"), &wire.position_m, LENGTH_MAX);
     let at = at.field("orientation");
     let rotation = match findings.array(at, &wire.orientation) {
         None => UnitQuaternion::identity(),
@@ -364,57 +380,4 @@ fn friction_to_wire(side: v1::friction::Side, friction: &Friction) -> v1::Fricti
         coulomb_positive: Some(friction.coulomb_positive),
         coulomb_negative: Some(friction.coulomb_negative),
     }
-}
-
-/// A finding on the resolved arm, where joints stand in model order, as a finding on the description that it came from.
-#[must_use]
-pub fn finding_on_spec(invalid: Invalid, spec: &RobotSpec, wire: &v1::RobotDescription) -> Invalid {
-    let Some((index, rest)) = indexed("joints", &invalid.path) else {
-        return finding_on_description(invalid, wire);
-    };
-    let Some(joint) = spec.joints.get(index) else {
-        return invalid;
-    };
-    let entry = wire.joints.iter().position(|entry| entry.name == joint.name);
-    let row = wire.dh.as_ref();
-    let row = row.and_then(|table| table.links.iter().position(|row| row.name == joint.name));
-    let on_link = rest.strip_prefix("link");
-    let path = match (on_link, entry, row) {
-        (Some(rest), _, Some(row)) => format!("dh.links[{row}]{rest}"),
-        (None, Some(entry), _) => format!("joints[{entry}]{}{rest}", if rest.is_empty() { "" } else { "." }),
-        (_, None, Some(row)) => format!("dh.links[{row}]"),
-        _ => "urdf".to_owned(),
-    };
-    let message = format!("joint {}: {}", quoted(&joint.name), invalid.message);
-    finding_on_description(Invalid::new(path, message), wire)
-}
-
-/// A finding on the domain's description with the names that the wire has for its fields.
-#[must_use]
-pub fn finding_on_description(mut invalid: Invalid, wire: &v1::RobotDescription) -> Invalid {
-    let Some((index, rest)) = indexed("joints", &invalid.path) else {
-        return invalid;
-    };
-    let sides = [
-        ("drive.motor_friction", v1::friction::Side::Motor),
-        ("drive.joint_friction", v1::friction::Side::Joint),
-    ];
-    for (name, side) in sides {
-        let Some(below) = rest.strip_prefix(name) else {
-            continue;
-        };
-        let drive = wire.joints.get(index).and_then(|joint| joint.drive.as_ref());
-        let entry = drive.and_then(|drive| drive.friction.iter().position(|entry| entry.side == i32::from(side)));
-        let entry = entry.map_or(String::new(), |entry| format!("[{entry}]"));
-        invalid.path = format!("joints[{index}].drive.friction{entry}{below}");
-        return invalid;
-    }
-    invalid
-}
-
-/// The index and the rest of a path that begins with an entry of a list.
-fn indexed<'a>(list: &str, path: &'a str) -> Option<(usize, &'a str)> {
-    let rest = path.strip_prefix(list)?.strip_prefix('[')?;
-    let (index, rest) = rest.split_once(']')?;
-    Some((index.parse().ok()?, rest.strip_prefix('.').unwrap_or(rest)))
 }

@@ -2,17 +2,20 @@
 
 use std::sync::Arc;
 
+use axum::{extract::Request, response::Response};
 use bytes::Bytes;
-use http::{HeaderMap, Request, Response, StatusCode, header};
+use http::{HeaderMap, StatusCode, header};
 use http_body_util::{BodyExt, LengthLimitError, Limited};
-use hyper::body::Incoming;
 use prost::Message;
 use serde::{Serialize, de::DeserializeOwned};
 use takt_motion::Invalid;
-use takt_proto::{convert::quoted, error::ErrorCode, v1};
-use tonic::body::Body;
+use takt_proto::{
+    convert::quoted,
+    error::{Error, ErrorCode},
+    v1,
+};
 
-use super::{add_timing, body_response};
+use super::{add_timing, json_response};
 use crate::{
     error::ServiceError,
     service::{Answer, Call, Service},
@@ -54,12 +57,7 @@ impl Json {
     }
 
     /// Reads the body of a request about the robot of the URL.
-    pub(super) async fn read_for<T>(
-        &self,
-        request: Request<Incoming>,
-        id: String,
-        call: Call,
-    ) -> Result<T, ServiceError>
+    pub(super) async fn read_for<T>(&self, request: Request, id: String, call: Call) -> Result<T, ServiceError>
     where
         T: DeserializeOwned + ForRobot + Send + 'static,
     {
@@ -84,7 +82,7 @@ impl Json {
         Ok(message)
     }
 
-    async fn body(&self, request: Request<Incoming>) -> Result<Bytes, ServiceError> {
+    async fn body(&self, request: Request) -> Result<Bytes, ServiceError> {
         let too_large = || {
             let message = format!(
                 "the body is larger than the {} bytes that `limits.max_request_bytes` allows",
@@ -100,6 +98,10 @@ impl Json {
             Ok(body) => Ok(body.to_bytes()),
             Err(error) if error.is::<LengthLimitError>() => Err(too_large()),
             Err(error) => {
+                // axum wraps what the body said.
+                if let Some(status) = error.source().and_then(|said| said.downcast_ref::<tonic::Status>()) {
+                    return Err(Error::from_status(status).into());
+                }
                 let message = format!("the body ended early: {error}");
                 Err(ServiceError::new(ErrorCode::InvalidRequest, message))
             }
@@ -107,7 +109,7 @@ impl Json {
     }
 
     /// Writes an answer.
-    pub(super) async fn write<T>(&self, answer: Answer<T>, call: Call) -> Result<Response<Body>, ServiceError>
+    pub(super) async fn write<T>(&self, answer: Answer<T>, call: Call) -> Result<Response, ServiceError>
     where
         T: Serialize + Message + 'static,
     {
@@ -118,18 +120,14 @@ impl Json {
             let job = move |_: &takt_motion::budget::Budget<'_>| print(&message);
             self.service.planner().run(call.deadline, job).await?.0
         };
-        let mut response = body_response(StatusCode::OK, "application/json", body);
+        let mut response = json_response(StatusCode::OK, body);
         add_timing(&mut response, timing);
         Ok(response)
     }
 
     /// Writes an answer that is short or was read from the store.
-    pub(super) fn write_now<T: Serialize>(&self, answer: &Answer<T>) -> Result<Response<Body>, ServiceError> {
-        Ok(body_response(
-            StatusCode::OK,
-            "application/json",
-            print(&answer.message)?,
-        ))
+    pub(super) fn write_now<T: Serialize>(&self, answer: &Answer<T>) -> Result<Response, ServiceError> {
+        Ok(json_response(StatusCode::OK, print(&answer.message)?))
     }
 }
 
@@ -167,8 +165,25 @@ fn located<T: DeserializeOwned>(body: &[u8], error: &serde_json::Error) -> Inval
         Ok(_) => String::new(),
         Err(error) => error.path().to_string(),
     };
-    let path = if path == "." { String::new() } else { path };
+    // A place that has no name is that of the object around it.
+    let path = path
+        .strip_suffix('?')
+        .map_or(&*path, |object| object.trim_end_matches('.'));
+    let path = if path == "." { "" } else { path };
     let mut message = error.to_string();
+    let mut path = path.to_owned();
+    if let Some((name, _)) = message
+        .strip_prefix("duplicate field `")
+        .and_then(|rest| rest.split_once('`'))
+    {
+        let separator = if path.is_empty() { "" } else { "." };
+        path = format!("{path}{separator}{name}");
+    }
+    // What the reader of numbers says where none of its forms fits.
+    message = message.replace(
+        "data did not match any variant of untagged enum Content",
+        "expected a number",
+    );
     if message.len() > LONGEST_MESSAGE {
         message.truncate(message.floor_char_boundary(LONGEST_MESSAGE));
         message.push('…');

@@ -168,6 +168,38 @@ async fn too_many_requests_are_refused_at_once() {
 }
 
 #[tokio::test]
+async fn the_bytes_of_all_requests_together_are_limited() {
+    let limits = Limits {
+        max_bytes_in_work: 200,
+        ..Limits::default()
+    };
+    let server = Running::with(Config {
+        limits,
+        ..Config::default()
+    })
+    .await;
+    let path = "/v1/robots/ur5e:forwardKinematics";
+    assert_eq!(server.post(path, POSE).await.status, 200);
+    let long = format!("{POSE}{}", " ".repeat(200));
+    let reply = server.post(path, &long).await;
+    assert_eq!(reply.status, 429, "{reply:?}");
+    let mut client = DynamicsServiceClient::new(server.channel().await);
+    let status = client.inverse_dynamics(states(20)).await.unwrap_err();
+    assert_eq!(status.code(), tonic::Code::ResourceExhausted);
+    assert_eq!(server.post(path, POSE).await.status, 200);
+}
+
+#[tokio::test]
+async fn a_trajectory_that_swings_too_far_is_refused() {
+    let server = Running::start().await;
+    let body = r#"{"trajectory": {"points": [
+        {"time_s": 0, "position": [0, 0, 0, 0, 0, 0], "velocity": [0, 0, 0, 0, 0, 0]},
+        {"time_s": 0.5, "position": [0, 0, 0, 0, 0, 0], "velocity": [1e9, 0, 0, 0, 0, 0]}]}}"#;
+    let reply = server.post("/v1/robots/ur5e:checkTrajectory", body).await;
+    assert_eq!(reply.fields(), ["trajectory.points[1]"]);
+}
+
+#[tokio::test]
 async fn a_burst_from_idle_is_served() {
     let server = Running::start().await;
     let channel = server.channel().await;

@@ -61,6 +61,13 @@ async fn revisions_follow_each_other_and_can_be_asked_for() {
     assert_eq!(listed["revisions"], serde_json::json!([first, second]));
     let old = server.get(&format!("/v1/robots/arm?revision={second}")).await.json();
     assert_eq!(old["description"]["dh"]["links"][0]["mass_kg"], 6.0);
+    for _ in 0..2 {
+        let body = format!(
+            r#"{{"start": {{"position": [0, 0]}}, "target": {{"position": [0.1, 0.1]}}, "revision": "{second}"}}"#
+        );
+        let plan = server.post("/v1/robots/arm:planMove", &body).await.json();
+        assert_eq!(plan["provenance"]["revision"], second.as_str());
+    }
     let page = server.get("/v1/robots/arm:revisions?page_size=1").await.json();
     let token = page["next_page_token"].as_str().unwrap();
     let rest = server
