@@ -21,10 +21,11 @@ pub(crate) const SAMPLE_TRAVEL: f64 = 0.2;
 /// Fewest intervals that a stretch of constant acceleration is sampled with.
 pub(crate) const INTERVALS_MIN: usize = 8;
 
-/// Rounds of successive parabolic interpolation on an extreme; it triples the correct digits each round.
-pub(crate) const REFINE_ROUNDS: usize = 6;
+/// Rounds of successive parabolic interpolation on an extreme; most need three or four.
+pub(crate) const REFINE_ROUNDS: usize = 8;
 
-/// An extreme is found once the parabola promises to raise it by less than this part of the limit.
+/// An extreme is found once two parabolas in a row promise to raise it by less than this part of the limit. One alone
+/// may peak where it has its middle although the torque does not.
 pub(crate) const REFINE_GAIN: f64 = 1.0e-9;
 
 /// Rounds of planning, verifying and adding what verification found. Two do nearly always.

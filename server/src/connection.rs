@@ -2,14 +2,14 @@
 
 use std::{convert::Infallible, io, sync::Arc, time::Duration};
 
-use http::{Request, Response};
+use axum::response::Response;
+use http::Request;
 use hyper::body::Incoming;
 use hyper_util::{
     rt::{TokioExecutor, TokioIo, TokioTimer},
     server::{conn::auto, graceful::Watcher},
 };
 use tokio::{net::TcpStream, sync::OwnedSemaphorePermit};
-use tonic::body::Body;
 
 use crate::{config::ConnectionConfig, edge::Edge};
 
@@ -59,7 +59,7 @@ impl Connections {
         let edge = Arc::clone(&self.edge);
         let service = hyper::service::service_fn(move |request: Request<Incoming>| {
             let edge = Arc::clone(&edge);
-            async move { Ok::<Response<Body>, Infallible>(edge.handle(request).await) }
+            async move { Ok::<Response, Infallible>(edge.handle(request).await) }
         });
         let connection = self.protocol.serve_connection(TokioIo::new(stream), service);
         if let Err(error) = watcher.watch(connection.into_owned()).await {

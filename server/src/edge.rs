@@ -13,21 +13,24 @@ use std::{
     time::{Duration, Instant},
 };
 
+use axum::{
+    Router,
+    response::{IntoResponse, Response},
+};
 use futures::FutureExt;
-use http::{HeaderMap, HeaderName, HeaderValue, Request, Response, header};
+use http::{HeaderMap, HeaderName, HeaderValue, Request, header};
 use takt_proto::error::{Error, ErrorCode};
 use tokio::sync::Semaphore;
-use tonic::body::Body;
+use tower::Service as _;
 use tracing::{Instrument, Span, field::Empty};
 
 use crate::{
     body::{Budget, Incoming},
     config::Limits,
     error::ServiceError,
-    grpc::{self, Grpc},
+    grpc,
     health::Health,
-    http::{self as http_edge, Http},
-    limits,
+    http as http_edge, limits,
     planner::{Timing, panicked},
     service::{Call, Service},
 };
@@ -46,8 +49,8 @@ const RETRY_AFTER: Duration = Duration::from_millis(100);
 /// Both protocols of the port.
 #[derive(Debug)]
 pub(crate) struct Edge {
-    grpc: Grpc,
-    http: Http,
+    grpc: Router,
+    http: Router,
     limits: Limits,
     in_work: Semaphore,
     bytes: Arc<Budget>,
@@ -61,8 +64,8 @@ impl Edge {
         limits: Limits,
     ) -> Result<Self, tonic_reflection::server::Error> {
         Ok(Self {
-            grpc: Grpc::new(Arc::clone(&service), &health, limits.max_request_bytes)?,
-            http: Http::new(service, health, limits.max_request_bytes),
+            grpc: grpc::router(Arc::clone(&service), &health, limits.max_request_bytes)?,
+            http: http_edge::router(service, health, limits.max_request_bytes),
             in_work: Semaphore::new(limits.max_concurrent_requests),
             bytes: Budget::new(limits.max_bytes_in_work),
             limits,
@@ -71,7 +74,7 @@ impl Edge {
     }
 
     /// Answers one request, whatever happens.
-    pub(crate) async fn handle(&self, request: Request<hyper::body::Incoming>) -> Response<Body> {
+    pub(crate) async fn handle(&self, request: Request<hyper::body::Incoming>) -> Response {
         let started = Instant::now();
         let is_grpc = is_grpc(request.headers());
         let id = self.ids.of(request.headers());
@@ -92,20 +95,12 @@ impl Edge {
         }
     }
 
-    async fn admit(&self, request: Request<hyper::body::Incoming>, is_grpc: bool, now: Instant) -> Response<Body> {
+    async fn admit(&self, request: Request<hyper::body::Incoming>, is_grpc: bool, now: Instant) -> Response {
         let (head, body) = request.into_parts();
         let (body, _held) = self.bytes.counted(body);
         let mut request = Request::from_parts(head, body);
         if is_probe(request.uri().path()) {
-            return self
-                .dispatch(
-                    request,
-                    Call {
-                        deadline: now + Duration::from_secs(5),
-                    },
-                    is_grpc,
-                )
-                .await;
+            return self.dispatch(request, is_grpc).await;
         }
         let deadline = match limits::deadline(request.headers(), is_grpc, &self.limits, now) {
             Ok(deadline) => deadline,
@@ -119,21 +114,18 @@ impl Edge {
         if deadline <= Instant::now() {
             return refuse(ServiceError::deadline(), is_grpc);
         }
-        let call = Call { deadline };
-        request.extensions_mut().insert(call);
-        let dispatched = self.dispatch(request, call, is_grpc);
+        request.extensions_mut().insert(Call { deadline });
+        let dispatched = self.dispatch(request, is_grpc);
         match tokio::time::timeout_at(deadline.into(), dispatched).await {
             Ok(response) => response,
             Err(_) => refuse(ServiceError::deadline(), is_grpc),
         }
     }
 
-    async fn dispatch(&self, request: Request<Incoming>, call: Call, is_grpc: bool) -> Response<Body> {
-        if is_grpc {
-            self.grpc.handle(request).await
-        } else {
-            self.http.handle(request, call).await
-        }
+    async fn dispatch(&self, request: Request<Incoming>, is_grpc: bool) -> Response {
+        let router = if is_grpc { &self.grpc } else { &self.http };
+        let Ok(response) = router.clone().call(request).await;
+        response
     }
 }
 
@@ -147,23 +139,23 @@ fn is_probe(path: &str) -> bool {
     matches!(path, "/healthz" | "/readyz") || path.starts_with("/grpc.health.v1.Health/")
 }
 
-fn refuse(error: ServiceError, is_grpc: bool) -> Response<Body> {
+fn refuse(error: ServiceError, is_grpc: bool) -> Response {
     if is_grpc {
         grpc::refuse(error)
     } else {
-        http_edge::refuse(error)
+        error.into_response()
     }
 }
 
 /// The error behind an answer, on either protocol.
-fn error_of(response: &Response<Body>) -> Option<&ServiceError> {
+fn error_of(response: &Response) -> Option<&ServiceError> {
     let extensions = response.extensions();
     let in_status = || extensions.get::<tonic::Status>()?.source()?.downcast_ref();
     extensions.get().or_else(in_status)
 }
 
 /// One line a request: what failed in the service at `warn`, everything else at `debug`.
-fn log(response: &Response<Body>, request_id: &HeaderValue, elapsed: Duration) {
+fn log(response: &Response, request_id: &HeaderValue, elapsed: Duration) {
     let elapsed_us = u64::try_from(elapsed.as_micros()).unwrap_or(u64::MAX);
     let id = request_id.to_str().unwrap_or("");
     let Some(error) = error_of(response) else {

@@ -1,45 +1,28 @@
 //! The gRPC edge: decodes, calls the service, encodes.
 
-use std::{convert::Infallible, sync::Arc};
+use std::sync::Arc;
 
 use async_trait::async_trait;
-use http::{Request, Response};
+use axum::{Router, response::Response};
+use http::Uri;
 use takt_proto::{
     DESCRIPTOR,
+    convert::quoted,
     error::ErrorCode,
     v1::{
         self, dynamics_service_server::DynamicsServiceServer, plan_service_server::PlanServiceServer,
         robot_service_server::RobotServiceServer,
     },
 };
-use tonic::{Status, body::Body, metadata::AsciiMetadataValue, server::NamedService};
+use tonic::{Status, metadata::AsciiMetadataValue, server::NamedService, service::Routes};
 use tonic_health::{pb::health_server::HealthServer, server::HealthService};
-use tower::{Service as _, util::BoxCloneSyncService};
 
 use crate::{
-    body::Incoming,
     edge::{SERVER_TIMING, server_timing},
     error::ServiceError,
     health::Health,
     service::{Answer, Call, Service},
 };
-
-type Boxed = BoxCloneSyncService<Request<Incoming>, Response<Body>, Infallible>;
-
-/// Every gRPC service of the port.
-#[derive(Clone, Debug)]
-pub(crate) struct Grpc {
-    robots: RobotServiceServer<Handler>,
-    plans: PlanServiceServer<Handler>,
-    dynamics: DynamicsServiceServer<Handler>,
-    health: HealthServer<HealthService>,
-    reflection: Boxed,
-    reflection_alpha: Boxed,
-}
-
-/// What reflection is called in its two versions.
-const REFLECTION: &str = "grpc.reflection.v1.ServerReflection";
-const REFLECTION_ALPHA: &str = "grpc.reflection.v1alpha.ServerReflection";
 
 /// The services whose health can be asked for.
 pub(crate) const SERVICES: [&str; 3] = [
@@ -48,56 +31,39 @@ pub(crate) const SERVICES: [&str; 3] = [
     DynamicsServiceServer::<Handler>::NAME,
 ];
 
-impl Grpc {
-    pub(crate) fn new(
-        service: Arc<Service>,
-        health: &Health,
-        max_request_bytes: usize,
-    ) -> Result<Self, tonic_reflection::server::Error> {
-        let handler = Arc::new(Handler(service));
-        let reflection = || {
-            tonic_reflection::server::Builder::configure()
-                .register_encoded_file_descriptor_set(DESCRIPTOR)
-                .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
-        };
-        let robots = RobotServiceServer::from_arc(Arc::clone(&handler));
-        let plans = PlanServiceServer::from_arc(Arc::clone(&handler));
-        let dynamics = DynamicsServiceServer::from_arc(handler);
-        Ok(Self {
-            robots: robots.max_decoding_message_size(max_request_bytes),
-            plans: plans.max_decoding_message_size(max_request_bytes),
-            dynamics: dynamics.max_decoding_message_size(max_request_bytes),
-            health: HealthServer::new(HealthService::from_health_reporter(health.reporter())),
-            reflection: BoxCloneSyncService::new(reflection().build_v1()?),
-            reflection_alpha: BoxCloneSyncService::new(reflection().build_v1alpha()?),
-        })
-    }
-
-    /// Hands a request to its service.
-    pub(crate) async fn handle(&self, request: Request<Incoming>) -> Response<Body> {
-        let service = request.uri().path().split('/').nth(1).unwrap_or("");
-        let answer = match service {
-            RobotServiceServer::<Handler>::NAME => self.robots.clone().call(request).await,
-            PlanServiceServer::<Handler>::NAME => self.plans.clone().call(request).await,
-            DynamicsServiceServer::<Handler>::NAME => self.dynamics.clone().call(request).await,
-            HealthServer::<HealthService>::NAME => self.health.clone().call(request).await,
-            REFLECTION => self.reflection.clone().call(request).await,
-            REFLECTION_ALPHA => self.reflection_alpha.clone().call(request).await,
-            _ => {
-                let path = takt_proto::convert::quoted(request.uri().path());
-                let message = format!("there is no method {path}");
-                return refuse(ServiceError::new(ErrorCode::Unimplemented, message));
-            }
-        };
-        match answer {
-            Ok(answer) => answer,
-            Err(never) => match never {},
-        }
-    }
+/// Every gRPC service of the port.
+pub(crate) fn router(
+    service: Arc<Service>,
+    health: &Health,
+    max_request_bytes: usize,
+) -> Result<Router, tonic_reflection::server::Error> {
+    let handler = Arc::new(Handler(service));
+    let robots = RobotServiceServer::from_arc(Arc::clone(&handler));
+    let plans = PlanServiceServer::from_arc(Arc::clone(&handler));
+    let dynamics = DynamicsServiceServer::from_arc(handler);
+    let reflection = || {
+        tonic_reflection::server::Builder::configure()
+            .register_encoded_file_descriptor_set(DESCRIPTOR)
+            .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
+    };
+    let unknown = |uri: Uri| async move {
+        let message = format!("there is no method {}", quoted(uri.path()));
+        refuse(ServiceError::new(ErrorCode::Unimplemented, message))
+    };
+    let routes = Routes::from(Router::new().fallback(unknown))
+        .add_service(robots.max_decoding_message_size(max_request_bytes))
+        .add_service(plans.max_decoding_message_size(max_request_bytes))
+        .add_service(dynamics.max_decoding_message_size(max_request_bytes))
+        .add_service(HealthServer::new(HealthService::from_health_reporter(
+            health.reporter(),
+        )))
+        .add_service(reflection().build_v1()?)
+        .add_service(reflection().build_v1alpha()?);
+    Ok(routes.into_axum_router())
 }
 
 /// An error without a message: the status is all there is.
-pub(crate) fn refuse(error: ServiceError) -> Response<Body> {
+pub(crate) fn refuse(error: ServiceError) -> Response {
     status_of(error).into_http()
 }
 

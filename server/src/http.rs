@@ -5,23 +5,25 @@ mod pages;
 mod query;
 mod robot;
 
-use std::sync::Arc;
+use std::{borrow::Cow, collections::BTreeSet, sync::Arc};
 
-use bytes::Bytes;
-use http::{HeaderValue, Method, Request, Response, StatusCode, header};
-use http_body_util::Full;
+use axum::{
+    Extension, Router,
+    extract::{Request, State},
+    handler::Handler,
+    response::{IntoResponse, Response},
+};
+use http::{HeaderValue, Method, StatusCode, Uri, header};
 use takt_motion::Invalid;
 use takt_proto::{
     convert::quoted,
     error::ErrorCode,
-    route::{self, Match, Rpc},
+    route::{self, HttpMethod, Match, ROUTES, Rpc},
     v1,
 };
-use tonic::body::Body;
 
 use self::{json::Json, query::Query};
 use crate::{
-    body::Incoming,
     edge::{SERVER_TIMING, server_timing},
     error::ServiceError,
     health::Health,
@@ -29,53 +31,49 @@ use crate::{
     service::{Call, Service},
 };
 
-/// The HTTP side of the port.
 #[derive(Debug)]
-pub(crate) struct Http {
+struct Http {
     service: Arc<Service>,
-    health: Health,
     json: Json,
 }
 
-type Answered = Result<Response<Body>, ServiceError>;
+type Answered = Result<Response, ServiceError>;
+
+/// The HTTP side of the port.
+pub(crate) fn router(service: Arc<Service>, health: Health, max_request_bytes: usize) -> Router {
+    let json = Json::new(Arc::clone(&service), max_request_bytes);
+    let rpc = rpc.with_state(Arc::new(Http { service, json }));
+    // To axum the robot's id and the verb are one segment: the table of routes tells them, and the methods, apart.
+    let paths: BTreeSet<_> = ROUTES.iter().filter_map(|route| route.path.split(':').next()).collect();
+    paths.into_iter().fold(pages::router(health), |router, path| {
+        router.route_service(path, rpc.clone())
+    })
+}
+
+async fn rpc(State(http): State<Arc<Http>>, Extension(call): Extension<Call>, request: Request) -> Answered {
+    let path = decoded(request.uri());
+    let method = match request.method() {
+        &Method::HEAD => "GET",
+        other => other.as_str(),
+    };
+    match route::find(method, &path) {
+        Match::Found(route, id) => {
+            let id = id.to_owned();
+            http.answer(route.rpc, id, request, call).await
+        }
+        Match::OtherMethod(others) => Ok(not_allowed(request.method(), &others)),
+        Match::Unknown => Err(unknown(request.uri())),
+    }
+}
 
 impl Http {
-    pub(crate) fn new(service: Arc<Service>, health: Health, max_request_bytes: usize) -> Self {
-        Self {
-            json: Json::new(Arc::clone(&service), max_request_bytes),
-            service,
-            health,
-        }
-    }
-
-    /// Answers a request.
-    pub(crate) async fn handle(&self, request: Request<Incoming>, call: Call) -> Response<Body> {
-        if let Some(page) = pages::find(&request, &self.health) {
-            return page;
-        }
-        self.route(request, call).await.unwrap_or_else(refuse)
-    }
-
-    async fn route(&self, request: Request<Incoming>, call: Call) -> Answered {
-        let path = percent_encoding::percent_decode_str(request.uri().path()).decode_utf8_lossy();
-        let method = match request.method() {
-            &Method::HEAD => "GET",
-            other => other.as_str(),
-        };
-        let (route, id) = match route::find(method, &path) {
-            Match::Found(route, id) => (route, id.to_owned()),
-            Match::OtherMethod(others) => {
-                let allowed: Vec<_> = others.iter().map(|method| method.as_str()).collect();
-                return Ok(not_allowed(&request, &allowed.join(", ")));
-            }
-            Match::Unknown => return Err(ServiceError::not_found(format!("there is no path {}", quoted(&path)))),
-        };
-        match route.rpc {
-            Rpc::ListRobots => self.list_robots(&request).await,
+    async fn answer(&self, rpc: Rpc, id: String, request: Request, call: Call) -> Answered {
+        match rpc {
+            Rpc::ListRobots => self.list_robots(request.uri()).await,
             Rpc::RegisterRobot => self.register_robot(request, id, call).await,
-            Rpc::GetRobot => self.get_robot(&request, id, call).await,
-            Rpc::DeleteRobot => self.delete_robot(&request, id).await,
-            Rpc::ListRevisions => self.list_revisions(&request, id).await,
+            Rpc::GetRobot => self.get_robot(request.uri(), request.headers(), id, call).await,
+            Rpc::DeleteRobot => self.delete_robot(request.uri(), request.headers(), id).await,
+            Rpc::ListRevisions => self.list_revisions(request.uri(), id).await,
             Rpc::PlanMove => {
                 let message: v1::PlanMoveRequest = self.json.read_for(request, id, call).await?;
                 self.json
@@ -104,49 +102,49 @@ impl Http {
     }
 }
 
-fn not_allowed(request: &Request<Incoming>, allowed: &str) -> Response<Body> {
-    let message = format!(
-        "{} is not a method of this path, {allowed} is",
-        quoted(request.method().as_str())
-    );
-    let mut response = refuse(ServiceError::new(ErrorCode::MethodNotAllowed, message));
-    if let Ok(allowed) = HeaderValue::from_str(allowed) {
-        response.headers_mut().insert(header::ALLOW, allowed);
-    }
-    response
+fn decoded(uri: &Uri) -> Cow<'_, str> {
+    percent_encoding::percent_decode_str(uri.path()).decode_utf8_lossy()
+}
+
+fn unknown(uri: &Uri) -> ServiceError {
+    ServiceError::not_found(format!("there is no path {}", quoted(&decoded(uri))))
+}
+
+fn not_allowed(method: &Method, allowed: &[HttpMethod]) -> Response {
+    let allowed: Vec<_> = allowed.iter().map(|method| method.as_str()).collect();
+    let allowed = allowed.join(", ");
+    let message = format!("{} is not a method of this path, {allowed} is", quoted(method.as_str()));
+    let error = ServiceError::new(ErrorCode::MethodNotAllowed, message);
+    ([(header::ALLOW, allowed)], error).into_response()
 }
 
 /// An error as its JSON; the error itself goes along for the log.
-pub(crate) fn refuse(error: ServiceError) -> Response<Body> {
-    let wire = error.wire();
-    let status = StatusCode::from_u16(wire.code.row().http).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
-    let body = wire.to_json().to_string();
-    let mut response = body_response(status, "application/json", body.into());
-    if let Some(delay) = wire.retry_after {
-        // The header has whole seconds; the body says it exactly.
-        let seconds = delay.as_secs() + u64::from(delay.subsec_nanos() > 0);
-        response.headers_mut().insert(header::RETRY_AFTER, seconds.into());
+impl IntoResponse for ServiceError {
+    fn into_response(self) -> Response {
+        let wire = self.wire();
+        let status = StatusCode::from_u16(wire.code.row().http).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
+        let mut response = json_response(status, wire.to_json().to_string());
+        if let Some(delay) = wire.retry_after {
+            // The header has whole seconds; the body says it exactly.
+            let seconds = delay.as_secs() + u64::from(delay.subsec_nanos() > 0);
+            response.headers_mut().insert(header::RETRY_AFTER, seconds.into());
+        }
+        response.extensions_mut().insert(self);
+        response
     }
-    response.extensions_mut().insert(error);
-    response
 }
 
-pub(crate) fn body_response(status: StatusCode, kind: &'static str, body: Bytes) -> Response<Body> {
-    let mut response = Response::new(Body::new(Full::new(body)));
-    *response.status_mut() = status;
-    response
-        .headers_mut()
-        .insert(header::CONTENT_TYPE, HeaderValue::from_static(kind));
-    response
+fn json_response(status: StatusCode, body: impl IntoResponse) -> Response {
+    (status, [(header::CONTENT_TYPE, "application/json")], body).into_response()
 }
 
-fn add_timing(response: &mut Response<Body>, timing: Timing) {
+fn add_timing(response: &mut Response, timing: Timing) {
     if let Ok(timing) = HeaderValue::try_from(server_timing(timing)) {
         response.headers_mut().insert(SERVER_TIMING, timing);
     }
 }
 
-fn add_etag(response: &mut Response<Body>, revision: &str) {
+fn add_etag(response: &mut Response, revision: &str) {
     if let Ok(tag) = HeaderValue::try_from(format!("\"{revision}\"")) {
         response.headers_mut().insert(header::ETAG, tag);
     }

@@ -27,14 +27,12 @@ impl Sweep {
         self.joint_count = joint_count;
         self.stride = count.next_multiple_of(LANES_MAX);
         let entries = self.stride * joint_count;
-        for column in [
-            &mut self.position,
-            &mut self.velocity,
-            &mut self.acceleration,
-            &mut self.torque,
-            &mut self.gravity,
-        ] {
+        for column in [&mut self.position, &mut self.velocity, &mut self.acceleration] {
             column.clear();
+            column.resize(entries, 0.0);
+        }
+        // these are written, not read
+        for column in [&mut self.torque, &mut self.gravity] {
             column.resize(entries, 0.0);
         }
     }

@@ -4,6 +4,7 @@ use super::outcome::{Infeasible, InfeasibleReason};
 use super::problem::Problem;
 use crate::dynamics::{self, Workspace};
 use crate::robot::spec::Inertial;
+use crate::tolerance::PLAN_RESERVE;
 use crate::verify::Peak;
 
 /// Checks that both end poses can be held at rest. Returns the worst joint where one cannot.
@@ -49,6 +50,12 @@ pub(super) fn moving(
     available: f64,
     gravity: f64,
 ) -> Infeasible {
+    // what only the planner's reserve forbids needs a limit with room for the reserve
+    let needed = if needed.abs() < available {
+        needed / (1.0 - PLAN_RESERVE)
+    } else {
+        needed
+    };
     let reason = InfeasibleReason::MovingTorque;
     refuse(
         problem,

@@ -131,12 +131,15 @@ fn torques_by_phase(
 ) -> [Option<Limiting>; 3] {
     let duration = trajectory::duration(patterns);
     let motion = Trajectory::of_patterns(&problem.start, patterns);
+    let phases: Vec<Phase> = (0..motion.segment_count())
+        .map(|segment| patterns[pace].phase(motion.middle(segment), duration))
+        .collect();
     let mut tightest: [Option<Limiting>; 3] = [None; 3];
     for point in &verification.points {
         let Some(limit) = problem.limits[point.joint].torque else {
             continue;
         };
-        let phase = patterns[pace].phase(motion.middle(point.segment), duration);
+        let phase = phases[point.segment];
         let slot = match phase {
             Phase::Acceleration => &mut tightest[0],
             Phase::Cruise | Phase::Hold => &mut tightest[1],

@@ -222,7 +222,7 @@ pub(super) fn limits_in_force(
                 torque: joint.drive.peak_torque.map(|peak| peak * torque_utilization),
                 velocity: known.velocity.unwrap_or(f64::INFINITY),
                 acceleration: known.acceleration,
-                deceleration: known.deceleration.or(known.acceleration),
+                deceleration: known.deceleration,
                 position_lower: known.position_lower.filter(|_| limited),
                 position_upper: known.position_upper.filter(|_| limited),
             }
@@ -248,10 +248,10 @@ pub(super) fn limits_in_force(
         }
         let peak = joints[joint].drive.peak_torque;
         tighten(&mut limits[joint], change, peak, &path, wrong);
-        if joints[joint].limits.deceleration.is_none() && change.deceleration.is_none() {
-            // It is the acceleration limit's by default, and so follows it.
-            limits[joint].deceleration = limits[joint].acceleration;
-        }
+    }
+    // by default it is the acceleration limit's, and so follows it
+    for limit in &mut limits {
+        limit.deceleration = limit.deceleration.or(limit.acceleration);
     }
     limits
 }
@@ -286,7 +286,8 @@ fn tighten(limit: &mut JointLimit, change: &LimitOverride, peak: Option<f64>, pa
         limit.velocity = velocity;
     }
     let acceleration = upper("acceleration", change.acceleration, limit.acceleration);
-    let deceleration = upper("deceleration", change.deceleration, limit.deceleration);
+    let known = limit.deceleration.or(limit.acceleration);
+    let deceleration = upper("deceleration", change.deceleration, known);
     if acceleration.is_some() {
         limit.acceleration = acceleration;
     }

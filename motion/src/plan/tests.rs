@@ -323,6 +323,36 @@ fn overrides_may_tighten_only() {
 }
 
 #[test]
+fn a_tighter_acceleration_tightens_the_deceleration_that_is_not_given() {
+    let deceleration = |own: Option<f64>, asked: LimitOverride| {
+        let mut spec = lift(2.0);
+        spec.joints[0].limits.acceleration = Some(8.0);
+        spec.joints[0].limits.deceleration = own;
+        let mut request = request(&[0.0], &[0.5]);
+        request.limits = vec![LimitOverride {
+            joint: "lift".to_owned(),
+            ..asked
+        }];
+        plan(&robot(spec), &request).patterns[0].deceleration
+    };
+    let tighter = |acceleration, deceleration| LimitOverride {
+        acceleration,
+        deceleration,
+        ..LimitOverride::default()
+    };
+    for (own, asked, most) in [
+        (None, tighter(None, None), 8.0),
+        (None, tighter(Some(3.0), None), 3.0),
+        (None, tighter(Some(3.0), Some(6.0)), 6.0),
+        (Some(7.0), tighter(Some(3.0), None), 7.0),
+        (Some(7.0), tighter(Some(3.0), Some(2.0)), 2.0),
+    ] {
+        let found = deceleration(own, asked.clone());
+        assert!((found / most - 1.0).abs() < 1e-6, "{own:?} {asked:?}: {found}");
+    }
+}
+
+#[test]
 fn every_wrong_number_is_named_at_once() {
     let robot = robot(planar());
     let mut asked = request(&[f64::NAN, 0.0], &[0.0, f64::INFINITY]);

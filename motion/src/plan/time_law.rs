@@ -54,7 +54,7 @@ pub(super) struct Bounds {
 }
 
 /// How long a ramp of the best constant rate must be to reach a speed, by squared speed.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Ramp {
     /// Distance from the end at rest.
     distance: Vec<f64>,
@@ -81,8 +81,13 @@ impl TimeLaw {
 }
 
 impl Ramp {
-    fn new(samples: impl Iterator<Item = (f64, f64)>) -> Self {
-        let mut ramp = Self::default();
+    fn new(samples: impl ExactSizeIterator<Item = (f64, f64)>) -> Self {
+        let count = samples.len();
+        let mut ramp = Self {
+            distance: Vec::with_capacity(count),
+            rate: Vec::with_capacity(count),
+            reach: Vec::with_capacity(count),
+        };
         let (mut rate, mut reach) = (f64::INFINITY, 0.0_f64);
         for (distance, bound) in samples {
             rate = rate.min(bound);

@@ -215,7 +215,16 @@ impl<'a> Path<'a> {
                 continue;
             }
             let largest = |dynamic: f64, viscous: f64| {
-                first_root(dynamic, viscous, planned - still).min(first_root(-dynamic, -viscous, planned + still))
+                let upwards = || first_root(dynamic, viscous, planned - still);
+                let downwards = || first_root(-dynamic, -viscous, planned + still);
+                // both parts one way: the limit the other way is out of reach
+                if dynamic >= 0.0 && viscous >= 0.0 {
+                    return upwards();
+                }
+                if dynamic <= 0.0 && viscous <= 0.0 {
+                    return downwards();
+                }
+                upwards().min(downwards())
             };
             acceleration = acceleration.min(largest(mass + 2.0 * s * velocity, root_s * viscous));
             deceleration = deceleration.min(largest(2.0 * r * velocity - mass, root_r * viscous));

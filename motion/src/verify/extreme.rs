@@ -1,4 +1,5 @@
-//! True extremes of the torques between samples, by successive parabolic interpolation (Brent 1973, chapter 5).
+//! True extremes of the torques between samples, by successive parabolic interpolation (Brent 1973, chapter 5), kept
+//! from ending early.
 
 use super::{JointDemand, Peak, Point, Stretch, Verifier};
 use crate::dynamics::chain::Chain;
@@ -10,7 +11,7 @@ use crate::trajectory::Trajectory;
 /// Part of its limit from which on a peak is reported, whether or not it is the joint's largest.
 const NEAR_LIMIT: f64 = 0.99;
 
-/// Part of a joint's largest torque from which on the ends of segments are probed.
+/// Part of a joint's largest torque from which on others may turn out to be larger.
 const NEAR_TOP: f64 = 0.999;
 
 /// What is verified, against what.
@@ -23,6 +24,9 @@ pub(super) struct Context<'a> {
     pub(super) directions: &'a [f64],
 }
 
+/// Probes keep off the middle of a bracket by this part of its longer side.
+const PROBE_OFF: f64 = 0.125;
+
 /// Three moments around an extreme, within one segment, and the torques there times the sign that makes it a maximum.
 #[derive(Debug, Clone, Copy)]
 struct Bracket {
@@ -32,6 +36,8 @@ struct Bracket {
     /// Since the segment began, s.
     times: [f64; 3],
     values: [f64; 3],
+    /// The parabola before this one promised to raise the extreme by next to nothing.
+    settled: bool,
 }
 
 impl Bracket {
@@ -50,6 +56,19 @@ impl Bracket {
         }
         let value = y0 + (time - t0) * (left + curvature * (time - t1));
         Some((time, value))
+    }
+
+    /// Where to look next for an extreme that the parabola has at `top`: there, but not closer to the middle than a part
+    /// of the longer side, and then on that side. So no side stays long, and the next parabola is a narrower one, also
+    /// where this one happens to peak in the middle.
+    fn probe(&self, top: f64) -> f64 {
+        let [t0, t1, t2] = self.times;
+        let (left, right) = (t1 - t0, t2 - t1);
+        let off = PROBE_OFF * left.max(right);
+        if (top - t1).abs() >= off {
+            return top;
+        }
+        if left > right { t1 - off } else { t1 + off }
     }
 
     /// The bracket of other moments and values, in the order of time.
@@ -103,8 +122,9 @@ pub(super) fn find(
             .filter_map(|bracket| {
                 let (time, value) = bracket.top()?;
                 let limit = context.limits[bracket.joint].unwrap_or(f64::INFINITY);
-                let gain = value - bracket.values[1];
-                (gain > REFINE_GAIN * limit.min(value.abs())).then_some((*bracket, time))
+                let settled = value - bracket.values[1] <= REFINE_GAIN * limit.min(value.abs());
+                let next = Bracket { settled, ..*bracket };
+                (!(settled && bracket.settled)).then(|| (next, bracket.probe(time)))
             })
             .collect();
         if tops.is_empty() {
@@ -158,7 +178,7 @@ fn brackets(context: &Context<'_>, verifier: &Verifier, stretches: &[Stretch], j
     for (joint, demand) in joints.iter().enumerate() {
         let column = verifier.sweep.column(joint);
         let limit = context.limits[joint].unwrap_or(f64::INFINITY);
-        let worth = demand.peak_torque.abs().min(NEAR_LIMIT * limit);
+        let worth = (NEAR_TOP * demand.peak_torque.abs()).min(NEAR_LIMIT * limit);
         for stretch in stretches {
             let step = {
                 let times = context.motion.times();
@@ -184,6 +204,7 @@ fn brackets(context: &Context<'_>, verifier: &Verifier, stretches: &[Stretch], j
                     sign,
                     times: [-1.0, 0.0, 1.0].map(|by| step * (middle as f64 + by)),
                     values: values.map(|v| sign * v),
+                    settled: false,
                 };
                 let Some((time, value)) = bracket.top() else {
                     continue;
@@ -235,6 +256,7 @@ fn end_brackets(
                     sign,
                     times: [time, time + inwards / 16.0, time + inwards],
                     values: [sign * here, 0.0, sign * beyond],
+                    settled: false,
                 });
             }
         }

@@ -48,7 +48,7 @@ fn tightest<'a>(points: impl Iterator<Item = &'a Point>, limit: &dyn Fn(usize) -
         let limit = limit(point.joint);
         let mut consider = |scale: f64, torque: f64| {
             let ratio = torque.abs() / limit;
-            if worst.is_none_or(|w| ratio > w.ratio) {
+            if worst.as_ref().is_none_or(|known| ratio > known.ratio) {
                 worst = Some(Worst {
                     ratio,
                     scale,
@@ -61,9 +61,11 @@ fn tightest<'a>(points: impl Iterator<Item = &'a Point>, limit: &dyn Fn(usize) -
         // creeping, and held still
         consider(0.0, point.still);
         consider(0.0, point.gravity);
-        let vertex = -0.5 * point.viscous / point.dynamic;
-        if vertex > 0.0 && vertex < 1.0 {
-            consider(vertex, point.torque(vertex));
+        if point.viscous != 0.0 {
+            let vertex = -0.5 * point.viscous / point.dynamic;
+            if vertex > 0.0 && vertex < 1.0 {
+                consider(vertex, point.torque(vertex));
+            }
         }
     }
     worst

@@ -114,13 +114,9 @@ fn the_integral_of_the_squared_torque_is_that_of_a_dense_sum() {
             }
         }
     }
-    for joint in 0..2 {
-        let integral = found.joints[joint].torque_squared;
-        assert!(
-            (integral / sums[joint] - 1.0).abs() < 1.0e-4,
-            "{integral} {}",
-            sums[joint]
-        );
+    for (joint, sum) in found.joints.iter().zip(sums) {
+        let integral = joint.torque_squared;
+        assert!((integral / sum - 1.0).abs() < 1.0e-4, "{integral} {sum}");
     }
 }
 

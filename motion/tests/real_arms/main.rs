@@ -1,6 +1,7 @@
 //! The chains of published arms against values of other engines: poses, mass matrices and gravity torques, from
 //! textbook formulas written out here.
 
+mod allocation;
 mod arm;
 mod example;
 mod puma;

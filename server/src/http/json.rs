@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use axum::{extract::Request, response::Response};
 use bytes::Bytes;
-use http::{HeaderMap, Request, Response, StatusCode, header};
+use http::{HeaderMap, StatusCode, header};
 use http_body_util::{BodyExt, LengthLimitError, Limited};
 use prost::Message;
 use serde::{Serialize, de::DeserializeOwned};
@@ -13,11 +14,9 @@ use takt_proto::{
     error::{Error, ErrorCode},
     v1,
 };
-use tonic::body::Body;
 
-use super::{add_timing, body_response};
+use super::{add_timing, json_response};
 use crate::{
-    body::Incoming,
     error::ServiceError,
     service::{Answer, Call, Service},
 };
@@ -58,12 +57,7 @@ impl Json {
     }
 
     /// Reads the body of a request about the robot of the URL.
-    pub(super) async fn read_for<T>(
-        &self,
-        request: Request<Incoming>,
-        id: String,
-        call: Call,
-    ) -> Result<T, ServiceError>
+    pub(super) async fn read_for<T>(&self, request: Request, id: String, call: Call) -> Result<T, ServiceError>
     where
         T: DeserializeOwned + ForRobot + Send + 'static,
     {
@@ -88,7 +82,7 @@ impl Json {
         Ok(message)
     }
 
-    async fn body(&self, request: Request<Incoming>) -> Result<Bytes, ServiceError> {
+    async fn body(&self, request: Request) -> Result<Bytes, ServiceError> {
         let too_large = || {
             let message = format!(
                 "the body is larger than the {} bytes that `limits.max_request_bytes` allows",
@@ -104,7 +98,8 @@ impl Json {
             Ok(body) => Ok(body.to_bytes()),
             Err(error) if error.is::<LengthLimitError>() => Err(too_large()),
             Err(error) => {
-                if let Some(status) = error.downcast_ref::<tonic::Status>() {
+                // axum wraps what the body said.
+                if let Some(status) = error.source().and_then(|said| said.downcast_ref::<tonic::Status>()) {
                     return Err(Error::from_status(status).into());
                 }
                 let message = format!("the body ended early: {error}");
@@ -114,7 +109,7 @@ impl Json {
     }
 
     /// Writes an answer.
-    pub(super) async fn write<T>(&self, answer: Answer<T>, call: Call) -> Result<Response<Body>, ServiceError>
+    pub(super) async fn write<T>(&self, answer: Answer<T>, call: Call) -> Result<Response, ServiceError>
     where
         T: Serialize + Message + 'static,
     {
@@ -125,18 +120,14 @@ impl Json {
             let job = move |_: &takt_motion::budget::Budget<'_>| print(&message);
             self.service.planner().run(call.deadline, job).await?.0
         };
-        let mut response = body_response(StatusCode::OK, "application/json", body);
+        let mut response = json_response(StatusCode::OK, body);
         add_timing(&mut response, timing);
         Ok(response)
     }
 
     /// Writes an answer that is short or was read from the store.
-    pub(super) fn write_now<T: Serialize>(&self, answer: &Answer<T>) -> Result<Response<Body>, ServiceError> {
-        Ok(body_response(
-            StatusCode::OK,
-            "application/json",
-            print(&answer.message)?,
-        ))
+    pub(super) fn write_now<T: Serialize>(&self, answer: &Answer<T>) -> Result<Response, ServiceError> {
+        Ok(json_response(StatusCode::OK, print(&answer.message)?))
     }
 }
 

@@ -1,15 +1,14 @@
 //! The robots' URLs: queries, and revisions as entity tags.
 
-use http::{HeaderMap, HeaderValue, header};
+use http::{HeaderMap, HeaderValue, Uri, header};
 
 use super::{
-    Answered, Body, Call, Http, Incoming, Invalid, Query, Request, Response, ServiceError, StatusCode, add_etag,
-    quoted, v1,
+    Answered, Call, Http, IntoResponse as _, Invalid, Query, Request, ServiceError, StatusCode, add_etag, quoted, v1,
 };
 
 impl Http {
-    pub(super) async fn list_robots(&self, request: &Request<Incoming>) -> Answered {
-        let mut query = Query::of(request.uri());
+    pub(super) async fn list_robots(&self, uri: &Uri) -> Answered {
+        let mut query = Query::of(uri);
         let message = v1::ListRobotsRequest {
             page_size: query.value("page_size", "a number"),
             page_token: query.text("page_token"),
@@ -19,7 +18,7 @@ impl Http {
         self.json.write_now(&answer)
     }
 
-    pub(super) async fn register_robot(&self, request: Request<Incoming>, id: String, call: Call) -> Answered {
+    pub(super) async fn register_robot(&self, request: Request, id: String, call: Call) -> Answered {
         let expected = expected_revision(request.headers())?;
         let mut message: v1::RegisterRobotRequest = self.json.read_for(request, id, call).await?;
         if let Some(expected) = expected {
@@ -40,8 +39,8 @@ impl Http {
         Ok(response)
     }
 
-    pub(super) async fn get_robot(&self, request: &Request<Incoming>, id: String, call: Call) -> Answered {
-        let mut query = Query::of(request.uri());
+    pub(super) async fn get_robot(&self, uri: &Uri, headers: &HeaderMap, id: String, call: Call) -> Answered {
+        let mut query = Query::of(uri);
         let message = v1::GetRobotRequest {
             robot_id: id,
             revision: query.text("revision"),
@@ -51,10 +50,8 @@ impl Http {
         let answer = self.service.get_robot(call, message).await?;
         let revision = answer.message.robot.as_ref().map(|robot| robot.revision.clone());
         let revision = revision.unwrap_or_default();
-        let mut response = if has_tag(request.headers(), &header::IF_NONE_MATCH, &revision) {
-            let mut unchanged = Response::new(Body::empty());
-            *unchanged.status_mut() = StatusCode::NOT_MODIFIED;
-            unchanged
+        let mut response = if has_tag(headers, &header::IF_NONE_MATCH, &revision) {
+            StatusCode::NOT_MODIFIED.into_response()
         } else {
             self.json.write(answer, call).await?
         };
@@ -62,8 +59,8 @@ impl Http {
         Ok(response)
     }
 
-    pub(super) async fn list_revisions(&self, request: &Request<Incoming>, id: String) -> Answered {
-        let mut query = Query::of(request.uri());
+    pub(super) async fn list_revisions(&self, uri: &Uri, id: String) -> Answered {
+        let mut query = Query::of(uri);
         let message = v1::ListRevisionsRequest {
             robot_id: id,
             page_size: query.value("page_size", "a number"),
@@ -74,13 +71,13 @@ impl Http {
         self.json.write_now(&answer)
     }
 
-    pub(super) async fn delete_robot(&self, request: &Request<Incoming>, id: String) -> Answered {
-        let mut query = Query::of(request.uri());
+    pub(super) async fn delete_robot(&self, uri: &Uri, headers: &HeaderMap, id: String) -> Answered {
+        let mut query = Query::of(uri);
         let in_query = query.text("expected_revision");
         query.finish()?;
         let message = v1::DeleteRobotRequest {
             robot_id: id,
-            expected_revision: in_query.or(expected_revision(request.headers())?),
+            expected_revision: in_query.or(expected_revision(headers)?),
         };
         let answer = self.service.delete_robot(message).await?;
         self.json.write_now(&answer)

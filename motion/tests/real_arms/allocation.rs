@@ -1,0 +1,45 @@
+//! Nothing is allocated in a control loop: every function of the dynamics works in what its caller holds.
+
+use takt_motion::dynamics::{self, Workspace};
+use takt_motion::kinematics;
+use takt_motion::nalgebra::Isometry3;
+use takt_motion::robot::Robot;
+
+use super::example;
+
+#[test]
+fn dynamics_and_kinematics_allocate_nothing() {
+    for name in ["ur5e", "fr3", "puma560", "scara"] {
+        let resolved = example::description(name).resolve().expect("an arm");
+        let robot = Robot::new(resolved.spec, resolved.warnings).expect("a robot");
+        let count = robot.joint_count();
+        let workspace = &mut Workspace::new(&robot);
+        let (q, qd, qdd) = (vec![0.1; count], vec![0.5; count], vec![-1.0; count]);
+        let (mut torque, mut acceleration) = (vec![0.0; count], vec![0.0; count]);
+        let (mut matrix, mut jacobian) = (vec![0.0; count * count], vec![0.0; 6 * count]);
+        let tcp = Isometry3::translation(0.0, 0.0, 0.1);
+        let counted = allocation_counter::measure(|| {
+            dynamics::rigid_torque(&robot, workspace, &q, &qd, &qdd, &mut torque);
+            dynamics::gravity_torque(&robot, workspace, &q, &mut torque);
+            dynamics::friction_torque(&robot, &qd, &mut torque);
+            dynamics::rotor_torque(&robot, &qdd, &mut torque);
+            dynamics::drive_torque(&robot, workspace, &q, &qd, &qdd, &mut torque);
+            dynamics::mass_matrix(&robot, workspace, &q, &mut matrix);
+            assert!(dynamics::forward_dynamics(
+                &robot,
+                workspace,
+                &q,
+                &qd,
+                &torque,
+                &mut acceleration
+            ));
+            kinematics::jacobian(&robot, &q, &tcp, &mut jacobian);
+            kinematics::pose(&robot, &q, &tcp);
+        });
+        assert_eq!(counted.count_total, 0, "{name}");
+        // and it was all computed
+        for (back, asked) in acceleration.iter().zip(&qdd) {
+            assert!((back - asked).abs() < 1e-9, "{name}: {acceleration:?}");
+        }
+    }
+}
