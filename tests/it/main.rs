@@ -4,6 +4,7 @@ mod bad_inputs;
 mod contract;
 mod limits;
 mod moves;
+mod mutations;
 mod operations;
 mod oracle;
 mod plan;
