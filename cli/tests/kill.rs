@@ -38,7 +38,10 @@ impl Serving {
         let mut line = String::new();
         let output = process.stdout.take().unwrap();
         BufReader::new(output).read_line(&mut line).unwrap();
-        let url = line.trim().strip_prefix("listening on ").unwrap_or_else(|| panic!("{line:?}"));
+        let url = line
+            .trim()
+            .strip_prefix("listening on ")
+            .unwrap_or_else(|| panic!("{line:?}"));
         Self {
             url: url.to_owned(),
             process,
@@ -124,7 +127,10 @@ async fn check(client: &Client, acknowledged: &[Acknowledged]) {
             revision: Some(one.revision.clone()),
             as_urdf: None,
         };
-        let got = client.get_robot(request).await.unwrap_or_else(|error| panic!("{error}: {one:?}"));
+        let got = client
+            .get_robot(request)
+            .await
+            .unwrap_or_else(|error| panic!("{error}: {one:?}"));
         assert_eq!(got.description.as_ref(), Some(&one.description));
         assert_eq!(got.robot.unwrap().revision, one.revision);
     }
@@ -139,7 +145,10 @@ async fn check(client: &Client, acknowledged: &[Acknowledged]) {
         };
         let listed = client.list_revisions(request).await.unwrap().revisions;
         let place = listed.iter().position(|revision| *revision == last.revision);
-        assert!(place.is_some_and(|place| place <= 1), "{last:?} is not among the last two: {listed:?}");
+        assert!(
+            place.is_some_and(|place| place <= 1),
+            "{last:?} is not among the last two: {listed:?}"
+        );
     }
 }
 
