@@ -1,5 +1,7 @@
 //! The server killed in the middle of registrations: whatever it acknowledged is there when it comes back.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
 use std::{
     io::{BufRead, BufReader},
     path::Path,

@@ -1,5 +1,7 @@
 //! The service as its callers see it: a real server on a free port, asked over both protocols.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
 mod bad_inputs;
 mod contract;
 mod limits;

@@ -116,8 +116,8 @@ fn positions() -> Vec<Row> {
         row(
             "start just out of range and the move outwards",
             |m| {
-                start(m)[2] = 3.142;
-                target(m)[2] = 3.1425;
+                start(m)[2] = 3.145;
+                target(m)[2] = 3.1455;
             },
             &["target.position[2]", "start.position[2]"],
         ),
