@@ -58,6 +58,10 @@ pub(crate) const TRAJECTORY_TRAVEL_MAX: f64 = 2.0e4;
 /// Largest position of a joint, rad or m; sines keep full accuracy to ten times as far.
 pub const POSITION_MAX: f64 = 1.0e5;
 
+/// Switching times closer than this part of the duration are one: those of joints that switch together differ by
+/// rounding.
+pub(crate) const SWITCH_APART: f64 = 1.0e-13;
+
 /// How far outside its range a start may be, as part of the range: an encoder's noise at the end stop.
 pub(crate) const START_SLACK: f64 = 1.0e-3;
 

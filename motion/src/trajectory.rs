@@ -2,7 +2,7 @@
 //! turned into before they are verified.
 
 use crate::plan::outcome::{Pattern, Phase};
-use crate::tolerance::TRAVEL_MIN;
+use crate::tolerance::{SWITCH_APART, TRAVEL_MIN};
 
 /// Coefficients of 1, τ, τ² … τ⁵ with τ the time since the segment began.
 pub(crate) type Polynomial = [f64; 6];
@@ -55,8 +55,7 @@ impl Trajectory {
             times.push(duration - pattern.deceleration_time);
         }
         times.sort_by(f64::total_cmp);
-        // switching times of joints that switch together differ by rounding
-        let same = duration * 1.0e-13;
+        let same = duration * SWITCH_APART;
         times.dedup_by(|later, earlier| *later - *earlier <= same);
         if let Some(last) = times.last_mut() {
             *last = duration;

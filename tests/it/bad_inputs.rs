@@ -190,7 +190,7 @@ struct Bench {
 impl Bench {
     async fn set_up() -> Self {
         let server = TestServer::start().await;
-        let (grpc, mut http) = (server.grpc().await, server.http().await);
+        let (grpc, mut http) = (server.grpc(), server.http().await);
         // For what is said of a robot that exists.
         let registered = v1::RegisterRobotRequest {
             robot_id: "arm".to_owned(),

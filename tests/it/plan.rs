@@ -75,7 +75,7 @@ fn moves() -> Vec<v1::PlanMoveRequest> {
 #[tokio::test]
 async fn both_protocols_give_equal_answers_and_the_same_bytes_again() {
     let server = TestServer::start().await;
-    let (grpc, mut http) = (server.grpc().await, server.http().await);
+    let (grpc, mut http) = (server.grpc(), server.http().await);
     let mut infeasible_count = 0;
     for request in moves() {
         let path = format!("/v1/robots/{}:planMove", request.robot_id);
@@ -112,7 +112,7 @@ async fn a_restarted_server_and_another_one_give_the_same_bytes() {
         },
     ] {
         let server = TestServer::with(config).await;
-        let (grpc, mut http) = (server.grpc().await, server.http().await);
+        let (grpc, mut http) = (server.grpc(), server.http().await);
         let mut found = Vec::new();
         for request in moves() {
             found.push(grpc.unary(PLAN_MOVE, request.encode_to_vec()).await.unwrap().to_vec());

@@ -3,30 +3,42 @@
 use std::net::SocketAddr;
 
 use bytes::{Buf, BufMut, Bytes};
+use http::Uri;
+use hyper_util::{
+    client::legacy::{self, connect::HttpConnector},
+    rt::TokioExecutor,
+};
 use tonic::{
     Request, Response, Status,
     client::Grpc,
     codec::{Codec, DecodeBuf, Decoder, EncodeBuf, Encoder},
-    transport::{Channel, Endpoint},
+    metadata::MetadataValue,
 };
+
+/// A client of HTTP/2 that adds nothing: tonic's own channel ends calls by a deadline of its own.
+pub type Http2 = legacy::Client<HttpConnector, tonic::body::Body>;
 
 /// One HTTP/2 connection.
 #[derive(Debug, Clone)]
 pub struct Connection {
-    channel: Channel,
+    http2: Http2,
+    origin: Uri,
 }
 
 impl Connection {
-    pub(crate) async fn open(address: SocketAddr) -> Self {
-        let endpoint = Endpoint::from_shared(format!("http://{address}")).expect("an address is a URL");
-        let channel = endpoint.connect().await.expect("the server listens");
-        Self { channel }
+    pub(crate) fn to(address: SocketAddr) -> Self {
+        Self {
+            http2: legacy::Client::builder(TokioExecutor::new())
+                .http2_only(true)
+                .build(HttpConnector::new()),
+            origin: format!("http://{address}").parse().expect("an address is a URL"),
+        }
     }
 
-    /// For the generated clients.
+    /// For the generated clients: what they call, and where it is.
     #[must_use]
-    pub fn channel(&self) -> Channel {
-        self.channel.clone()
+    pub fn parts(&self) -> (Http2, Uri) {
+        (self.http2.clone(), self.origin.clone())
     }
 
     /// Sends these bytes as a message to the method at `path`, and returns the bytes of the answer.
@@ -38,12 +50,25 @@ impl Connection {
         Ok(answer.into_inner())
     }
 
-    /// The same with metadata, both ways.
+    /// The same with a deadline that the server is told, and nobody else.
+    ///
+    /// # Errors
+    /// The status, where it is not OK.
+    pub async fn within(&self, timeout: &'static str, path: &str, message: Vec<u8>) -> Result<Bytes, Status> {
+        let mut request = Request::new(message.into());
+        request
+            .metadata_mut()
+            .insert("grpc-timeout", MetadataValue::from_static(timeout));
+        Ok(self.send(path, request).await?.into_inner())
+    }
+
+    /// Sends a message with its metadata.
     ///
     /// # Errors
     /// The status, where it is not OK.
     pub async fn send(&self, path: &str, request: Request<Bytes>) -> Result<Response<Bytes>, Status> {
-        let mut grpc = Grpc::new(self.channel.clone()).max_decoding_message_size(usize::MAX);
+        let (http2, origin) = self.parts();
+        let mut grpc = Grpc::with_origin(http2, origin).max_decoding_message_size(usize::MAX);
         let ready = grpc.ready().await;
         ready.map_err(|error| Status::unavailable(format!("no connection: {error}")))?;
         let path = path.parse().expect("the path is one");

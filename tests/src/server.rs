@@ -79,8 +79,9 @@ impl TestServer {
         http::Connection::open(self.address).await
     }
 
-    /// A bare gRPC connection.
-    pub async fn grpc(&self) -> grpc::Connection {
-        grpc::Connection::open(self.address).await
+    /// A bare gRPC connection, made by its first call.
+    #[must_use]
+    pub fn grpc(&self) -> grpc::Connection {
+        grpc::Connection::to(self.address)
     }
 }

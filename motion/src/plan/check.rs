@@ -49,7 +49,7 @@ pub fn check_trajectory(robot: &Robot, request: &CheckRequest, budget: &Budget<'
         return Err(Failure::invalid("cycle_time_s", message));
     }
     let motion = interpolate(points, interpolation);
-    check_travel(&motion)?;
+    check_travel(points, &motion)?;
     let torque_limits: Vec<Option<f64>> = limits.iter().map(|limit| limit.torque).collect();
     let verification = verify(robot, &torque_limits, &motion, budget)?;
     let mut limit_uses = limit_uses(robot, &limits, &motion, &verification, interpolation);
@@ -192,7 +192,7 @@ fn interpolate(points: &[TrajectoryPoint], interpolation: Interpolation) -> Traj
 }
 
 /// Bounds the samples that a trajectory needs: velocities between points may take it farther than the points are apart.
-fn check_travel(motion: &Trajectory) -> Result<(), Failure> {
+fn check_travel(points: &[TrajectoryPoint], motion: &Trajectory) -> Result<(), Failure> {
     let mut travel = 0.0;
     for (segment, ends) in motion.times().windows(2).enumerate() {
         // joints do not turn round within a segment
@@ -203,11 +203,10 @@ fn check_travel(motion: &Trajectory) -> Result<(), Failure> {
             .sum::<f64>();
         // not a number counts as too far
         if travel.is_nan() || travel > TRAJECTORY_TRAVEL_MAX {
-            let message = format!(
-                "by {} s the joints travel more than {TRAJECTORY_TRAVEL_MAX} rad or m in all",
-                ends[1]
-            );
-            return Err(Failure::invalid("trajectory.points", message));
+            let time = points[0].time + ends[0];
+            let next = points.partition_point(|point| point.time <= time).min(points.len() - 1);
+            let message = format!("up to here the joints travel more than {TRAJECTORY_TRAVEL_MAX} rad or m in all");
+            return Err(Failure::invalid(&format!("trajectory.points[{next}]"), message));
         }
     }
     Ok(())

@@ -76,20 +76,37 @@ pub(super) fn second_calculation(
 ) -> Option<Pattern> {
     let distance = displacement.abs();
     let per_speed = (acceleration + deceleration) / (acceleration * deceleration);
-    // eq 94; what rounding leaves of a triangle's square is none, or its root would be a cruise of a ten-millionth
+    // eq 94
     let square = time * time - 2.0 * distance * per_speed;
     let rounding = SQUARE_ROUNDING * time * time;
     if square < -rounding {
         return None;
     }
-    let cruise = if square <= rounding { 0.0 } else { square.sqrt() };
-    let peak = (time - cruise) / per_speed;
+    let sign = displacement.signum();
+    if square <= rounding {
+        // A triangle but for rounding, whose root would be a cruise of a millionth of the time. The triangle that takes
+        // the time exactly has accelerations that differ from the given ones by as little as the square does.
+        let peak = 2.0 * distance / time;
+        if peak > velocity * (1.0 + SQUARE_ROUNDING) {
+            return None;
+        }
+        let up = time * deceleration / (acceleration + deceleration);
+        let down = time - up;
+        return Some(Pattern {
+            displacement,
+            peak_velocity: sign * peak,
+            acceleration: sign * peak / up,
+            deceleration: sign * peak / down,
+            acceleration_time: up,
+            cruise_time: 0.0,
+            deceleration_time: down,
+        });
+    }
+    let peak = (time - square.sqrt()) / per_speed;
     if peak > velocity * (1.0 + SQUARE_ROUNDING) {
         return None;
     }
-    let peak = peak.min(velocity);
     let (up, down) = (peak / acceleration, peak / deceleration);
-    let sign = displacement.signum();
     Some(Pattern {
         displacement,
         peak_velocity: sign * peak,
@@ -97,11 +114,7 @@ pub(super) fn second_calculation(
         deceleration: sign * deceleration,
         acceleration_time: up,
         // what is left of the time, so that all joints end together to the last bit that matters
-        cruise_time: if cruise == 0.0 {
-            0.0
-        } else {
-            (time - up - down).max(0.0)
-        },
+        cruise_time: (time - up - down).max(0.0),
         deceleration_time: down,
     })
 }

@@ -23,6 +23,9 @@ const NEAR: f64 = 0.02;
 /// exactly, and a rounding decides whether they fit. Pinned by `ramps_that_just_fit_are_found`.
 const FIT_RESERVE: f64 = 1.0e-12;
 
+/// Cruise speeds that differ by no more than this part are one, met again by the golden section.
+const SAME_SPEED: f64 = 1.0e-12;
+
 /// 1/φ.
 const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
@@ -291,7 +294,7 @@ impl Seen {
         if let Some((_, duration)) = self
             .last
             .iter()
-            .find(|(known, _)| (known - velocity).abs() <= velocity * 1.0e-12)
+            .find(|(known, _)| (known - velocity).abs() <= velocity * SAME_SPEED)
         {
             return *duration;
         }

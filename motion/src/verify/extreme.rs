@@ -11,8 +11,8 @@ use crate::trajectory::Trajectory;
 /// Part of its limit from which on a peak is reported, whether or not it is the joint's largest.
 const NEAR_LIMIT: f64 = 0.99;
 
-/// Part of a joint's largest torque from which on others may turn out to be larger.
-const NEAR_TOP: f64 = 0.999;
+/// Torques that are lower than a joint's largest by this part of its limit may turn out to be larger between samples.
+const NEAR_TOP: f64 = 1.0e-3;
 
 /// What is verified, against what.
 pub(super) struct Context<'a> {
@@ -56,6 +56,16 @@ impl Bracket {
         }
         let value = y0 + (time - t0) * (left + curvature * (time - t1));
         Some((time, value))
+    }
+
+    /// What is known of the extreme.
+    fn middle(&self, motion: &Trajectory) -> Peak {
+        Peak {
+            joint: self.joint,
+            time: motion.times()[self.segment] + self.times[1],
+            segment: self.segment,
+            torque: self.sign * self.values[1],
+        }
     }
 
     /// Where to look next for an extreme that the parabola has at `top`: there, but not closer to the middle than a part
@@ -115,6 +125,10 @@ pub(super) fn find(
 ) -> Vec<Peak> {
     let mut brackets = brackets(context, verifier, stretches, joints);
     brackets.extend(end_brackets(context, verifier, stretches, joints));
+    for bracket in &brackets {
+        // that of an end is no sample
+        raise(&mut joints[bracket.joint], &bracket.middle(context.motion));
+    }
     let mut found: Vec<Peak> = Vec::new();
     for _ in 0..REFINE_ROUNDS {
         let tops: Vec<(Bracket, f64)> = brackets
@@ -172,13 +186,19 @@ fn raise(demand: &mut JointDemand, peak: &Peak) {
     }
 }
 
+/// The torque from which on a joint's may turn out to be its largest.
+fn near_top(demand: &JointDemand, limit: Option<f64>) -> f64 {
+    let top = demand.peak_torque.abs();
+    top - NEAR_TOP * limit.unwrap_or(top)
+}
+
 /// The brackets whose parabola rises above what the joint reached on samples, or to where its limit is near.
 fn brackets(context: &Context<'_>, verifier: &Verifier, stretches: &[Stretch], joints: &[JointDemand]) -> Vec<Bracket> {
     let mut brackets = Vec::new();
     for (joint, demand) in joints.iter().enumerate() {
         let column = verifier.sweep.column(joint);
         let limit = context.limits[joint].unwrap_or(f64::INFINITY);
-        let worth = (NEAR_TOP * demand.peak_torque.abs()).min(NEAR_LIMIT * limit);
+        let worth = near_top(demand, context.limits[joint]).min(NEAR_LIMIT * limit);
         for stretch in stretches {
             let step = {
                 let times = context.motion.times();
@@ -236,7 +256,7 @@ fn end_brackets(
     let mut ends: Vec<Bracket> = Vec::new();
     for (joint, demand) in joints.iter().enumerate() {
         let column = verifier.sweep.column(joint);
-        let worth = NEAR_TOP * demand.peak_torque.abs();
+        let worth = near_top(demand, context.limits[joint]);
         for stretch in stretches {
             let span = times[stretch.segment + 1] - times[stretch.segment];
             let step = span / stretch.intervals as f64;

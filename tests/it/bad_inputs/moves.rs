@@ -329,7 +329,7 @@ fn limits() -> Vec<Row> {
                     })
                     .collect();
             },
-            &["limits[0].joint", "limits[1].joint", AND_MORE],
+            &["limits"],
         ),
     ]
 }

@@ -57,7 +57,7 @@ pub(super) fn rows() -> Vec<Row> {
         state("position far out", |s| s.position[0] = 1e6, &["states[1].position[0]"]),
         state("velocity long", |s| s.velocity.push(1.0), &["states[1].velocity"]),
         state("velocity infinite", |s| s.velocity[4] = INF, &["states[1].velocity[4]"]),
-        state("velocity 1e300", |s| s.velocity.fill(1e300), &["states[1]"]),
+        state("velocity 1e300", |s| s.velocity[3] = 1e300, &["states[1].velocity[3]"]),
         state(
             "acceleration short",
             |s| s.acceleration.truncate(1),
@@ -68,7 +68,11 @@ pub(super) fn rows() -> Vec<Row> {
             |s| s.acceleration[2] = NAN,
             &["states[1].acceleration[2]"],
         ),
-        state("acceleration 1e308", |s| s.acceleration.fill(1e308), &["states[1]"]),
+        state(
+            "acceleration 1e308",
+            |s| s.acceleration[1] = 1e308,
+            &["states[1].acceleration[1]"],
+        ),
         torques(
             "all NaN",
             |m| {

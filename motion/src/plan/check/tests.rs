@@ -168,7 +168,7 @@ fn what_is_wrong_with_a_trajectory_is_named() {
         first(&|points| points[1].position = vec![1.0, 2.0]).starts_with("trajectory.points[1].position: 2 values")
     );
     assert!(first(&|points| points[1].velocity[0] = f64::INFINITY).starts_with("trajectory.points[1].velocity[0]"));
-    assert!(first(&|points| points[1].velocity[0] = 9.0e8).starts_with("trajectory.points: by "));
+    assert!(first(&|points| points[1].velocity[0] = 9.0e8).starts_with("trajectory.points[1]: up to here"));
     assert!(first(&|points| points.truncate(1)).starts_with("trajectory.points: 1 points"));
     assert!(first(&|points| points[0].velocity.clear()).starts_with("trajectory.interpolation"));
 }

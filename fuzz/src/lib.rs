@@ -1,0 +1,3 @@
+//! Fuzz targets of everything that reads what callers send.
+
+pub mod targets;

@@ -1,0 +1,224 @@
+//! What is done with the bytes of a caller: decoded as protobuf and as JSON, converted, and computed with as far as a
+//! bounded time allows. None of it may panic. The mutation tests of the workspace run the same functions.
+
+use std::{cell::Cell, hint::black_box, sync::LazyLock};
+
+use prost::Message;
+use serde::{Serialize, de::DeserializeOwned};
+use takt_motion::{
+    Invalid,
+    budget::Budget,
+    dynamics::{self, Workspace},
+    kinematics,
+    plan::{self, outcome::MoveOutcome},
+    robot::{Robot, urdf as reader},
+};
+use takt_proto::{
+    convert::{self, Findings, Path},
+    v1,
+};
+
+/// Looks at the budget before a calculation is stopped.
+const LOOKS: u32 = 50;
+
+/// Most states, points and samples of one input.
+const ENTRIES: usize = 64;
+
+/// The arm that requests are about.
+static ARM: LazyLock<Robot> = LazyLock::new(|| {
+    let text = include_str!("../../robots/scara.json");
+    let description: v1::RobotDescription = serde_json::from_str(text).expect("the example is a description");
+    registered(&description).expect("the example is sound")
+});
+
+/// The chain of a URDF.
+pub fn urdf(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else {
+        return;
+    };
+    for use_dynamics in [false, true] {
+        let options = reader::Options {
+            use_dynamics,
+            ..reader::Options::default()
+        };
+        match reader::read(text, &options) {
+            Ok((chain, _)) => assert!(!chain.joints.is_empty(), "a chain of nothing"),
+            Err(errors) => assert_named(&errors),
+        }
+    }
+}
+
+/// A registration.
+pub fn register_robot(bytes: &[u8]) {
+    for request in decoded::<v1::RegisterRobotRequest>(bytes) {
+        let Some(description) = request.description else {
+            continue;
+        };
+        match registered(&description) {
+            Ok(robot) => assert!(robot.joint_count() > 0, "a robot of nothing"),
+            Err(errors) => assert_named(&errors),
+        }
+    }
+}
+
+/// A move.
+pub fn plan_move(bytes: &[u8]) {
+    for request in decoded::<v1::PlanMoveRequest>(bytes) {
+        if request.trace_points.is_some_and(|count| count > 100) {
+            continue;
+        }
+        let mut findings = Findings::default();
+        let request = convert::plan::move_request(request, Some(ARM.spec()), &mut findings);
+        let is_right = findings.is_empty();
+        assert_named(&findings.into_list());
+        match bounded(|budget| plan::plan_move(&ARM, &request, budget)) {
+            Ok(outcome) if is_right => {
+                if let MoveOutcome::Plan(plan) = &outcome {
+                    assert!(plan.duration.is_finite() && plan.duration >= 0.0, "{plan:?}");
+                }
+                black_box(convert::plan::outcome_to_wire(outcome, ARM.spec()));
+            }
+            Ok(_) | Err(plan::Failure::Stopped) => {}
+            Err(plan::Failure::Invalid(errors)) => assert_named(&errors),
+        }
+    }
+}
+
+/// A trajectory to be checked.
+pub fn check_trajectory(bytes: &[u8]) {
+    for request in decoded::<v1::CheckTrajectoryRequest>(bytes) {
+        let points = request
+            .trajectory
+            .as_ref()
+            .map_or(0, |trajectory| trajectory.points.len());
+        if points > ENTRIES {
+            continue;
+        }
+        let mut findings = Findings::default();
+        let request = convert::plan::check_request(request, Some(ARM.spec()), &mut findings);
+        let is_right = findings.is_empty();
+        assert_named(&findings.into_list());
+        if !is_right {
+            continue;
+        }
+        match bounded(|budget| plan::check_trajectory(&ARM, &request, budget)) {
+            Ok(report) => {
+                black_box(convert::plan::report_to_wire(report, ARM.spec()));
+            }
+            Err(plan::Failure::Stopped) => {}
+            Err(plan::Failure::Invalid(errors)) => assert_named(&errors),
+        }
+    }
+}
+
+/// States whose torques are asked for.
+pub fn inverse_dynamics(bytes: &[u8]) {
+    for request in decoded::<v1::InverseDynamicsRequest>(bytes) {
+        let mut findings = Findings::default();
+        let count = ARM.joint_count();
+        convert::dynamics::joint_states(&request.states, Some(count), &mut findings);
+        convert::dynamics::wanted(&request.r#return, &mut findings);
+        let payload = request.payload.as_ref();
+        let payload =
+            payload.map(|payload| convert::robot::payload(payload, Path::Root.field("payload"), &mut findings));
+        if findings.finish(()).map_err(|errors| assert_named(&errors)).is_err() {
+            continue;
+        }
+        let loaded = payload.map(|payload| ARM.with_payload(&payload));
+        let robot = loaded.as_ref().unwrap_or(&ARM);
+        let mut workspace = Workspace::new(robot);
+        let zeros = vec![0.0; count];
+        let or_zeros = |values: &Vec<f64>| {
+            if values.is_empty() {
+                zeros.clone()
+            } else {
+                values.clone()
+            }
+        };
+        for state in request.states.iter().take(ENTRIES) {
+            let (qd, qdd) = (or_zeros(&state.velocity), or_zeros(&state.acceleration));
+            let mut torque = zeros.clone();
+            dynamics::rigid_torque(robot, &mut workspace, &state.position, &qd, &qdd, &mut torque);
+            let mut matrix = vec![0.0; count * count];
+            dynamics::mass_matrix(robot, &mut workspace, &state.position, &mut matrix);
+        }
+    }
+}
+
+/// States whose poses are asked for.
+pub fn forward_kinematics(bytes: &[u8]) {
+    for request in decoded::<v1::ForwardKinematicsRequest>(bytes) {
+        let mut findings = Findings::default();
+        convert::dynamics::joint_positions(&request.states, Some(ARM.joint_count()), &mut findings);
+        let tool = request.tool.as_ref();
+        let tcp = tool.map(|tool| convert::robot::tool(tool, Path::Root.field("tool"), &mut findings));
+        if findings.finish(()).map_err(|errors| assert_named(&errors)).is_err() {
+            continue;
+        }
+        let tcp = tcp.unwrap_or(ARM.spec().tcp);
+        for state in request.states.iter().take(ENTRIES) {
+            black_box(convert::dynamics::pose_result(&kinematics::pose(
+                &ARM,
+                &state.position,
+                &tcp,
+            )));
+        }
+    }
+}
+
+/// The messages that the bytes are: as protobuf, as JSON. What was read is written and read again.
+fn decoded<M: Message + Default + DeserializeOwned + Serialize>(bytes: &[u8]) -> Vec<M> {
+    let mut messages = Vec::new();
+    if let Ok(message) = M::decode(bytes) {
+        assert!(
+            M::decode(&*message.encode_to_vec()).is_ok(),
+            "what was written cannot be read"
+        );
+        // Unknown enum values have no JSON.
+        let _ = serde_json::to_vec(&message);
+        messages.push(message);
+    }
+    if let Ok(message) = serde_json::from_slice::<M>(bytes) {
+        messages.push(message);
+    }
+    messages
+}
+
+/// A description, resolved and compiled.
+fn registered(wire: &v1::RobotDescription) -> Result<Robot, Vec<Invalid>> {
+    let mut findings = Findings::default();
+    let description = convert::robot::description(wire, Path::Root, &mut findings);
+    findings.finish(())?;
+    let description = description.expect("where nothing is found, there is a description");
+    let resolved = description.resolve().map_err(|errors| {
+        let errors = errors.into_iter();
+        errors
+            .map(|error| convert::robot::finding_on_description(error, wire))
+            .collect::<Vec<_>>()
+    })?;
+    let spec = resolved.spec.clone();
+    Robot::new(resolved.spec, resolved.warnings).map_err(|errors| {
+        let errors = errors.into_iter();
+        errors
+            .map(|error| convert::robot::finding_on_spec(error, &spec, wire))
+            .collect()
+    })
+}
+
+/// Computes until the budget has been looked at so many times.
+fn bounded<T>(compute: impl FnOnce(&Budget<'_>) -> T) -> T {
+    let left = Cell::new(LOOKS);
+    let should_stop = || {
+        left.set(left.get().saturating_sub(1));
+        left.get() == 0
+    };
+    compute(&Budget::until(&should_stop))
+}
+
+/// Every finding has a sentence that is short enough to travel.
+fn assert_named(errors: &[Invalid]) {
+    for error in errors {
+        assert!(!error.message.is_empty(), "{error:?}");
+        assert!(error.path.len() < 4096, "{} bytes of path", error.path.len());
+    }
+}

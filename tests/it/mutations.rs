@@ -1,0 +1,212 @@
+//! Seeded mutations of good inputs, through everything that reads what callers send: the functions that the fuzz targets
+//! run, on a few thousand inputs each, in every run of the tests. None of them may panic.
+
+#[allow(unreachable_pub, reason = "another crate's file")]
+#[path = "../../fuzz/src/targets.rs"]
+mod targets;
+
+use prost::Message;
+use takt_checker::draw::Draw;
+use takt_proto::v1;
+use takt_tests::fixtures::{example, plan_move, registration, text};
+
+/// Mutations of each seed.
+const ROUNDS: usize = 1500;
+
+/// What is put into texts: what has a meaning there, and what should have none.
+const WORDS: [&[u8]; 24] = [
+    b"<",
+    b">",
+    b"/>",
+    b"<!DOCTYPE",
+    b"&a;",
+    b"]]>",
+    b"\"",
+    b"'",
+    b"{",
+    b"}",
+    b"[",
+    b"]",
+    b",",
+    b":",
+    b"null",
+    b"NaN",
+    b"1e999",
+    b"-0",
+    b"\\ud800",
+    b"\xff",
+    b"\x00",
+    b"1e-320",
+    b"99999999999999999999",
+    b"\xe2\x80\xae",
+];
+
+/// A few changes of the bytes: bits, numbers, words, pieces cut out, doubled or moved.
+fn mutated(draw: &mut Draw, seed: &[u8]) -> Vec<u8> {
+    let mut bytes = seed.to_vec();
+    for _ in 0..=draw.bits() % 4 {
+        let length = bytes.len().max(1) as u64;
+        let at = ((draw.bits() % length) as usize).min(bytes.len());
+        let end = (at + (draw.bits() % 24) as usize).min(bytes.len());
+        match draw.bits() % 8 {
+            0 if at < bytes.len() => bytes[at] ^= 1 << (draw.bits() % 8),
+            1 if at < bytes.len() => bytes[at] = draw.bits() as u8,
+            2 => {
+                let word = WORDS[(draw.bits() % WORDS.len() as u64) as usize];
+                bytes.splice(at..at, word.iter().copied());
+            }
+            3 => {
+                let word = WORDS[(draw.bits() % WORDS.len() as u64) as usize];
+                bytes.splice(at..end, word.iter().copied());
+            }
+            4 => drop(bytes.drain(at..end)),
+            5 => {
+                let piece = bytes[at..end].to_vec();
+                bytes.splice(at..at, piece);
+            }
+            6 => {
+                // Eight bytes are a double where the message has one.
+                let value = f64::from_bits(draw.bits()).to_le_bytes();
+                let end = (at + 8).min(bytes.len());
+                bytes[at..end].copy_from_slice(&value[..end - at]);
+            }
+            _ => bytes.truncate(at),
+        }
+    }
+    bytes
+}
+
+/// Runs a target on mutations of seeds, and on the seeds themselves.
+fn run(seed: u64, target: fn(&[u8]), inputs: &[Vec<u8>]) {
+    let mut draw = Draw::seeded(seed);
+    for input in inputs {
+        target(input);
+        for _ in 0..ROUNDS {
+            let bytes = mutated(&mut draw, input);
+            let outcome = std::panic::catch_unwind(|| target(&bytes));
+            assert!(outcome.is_ok(), "{:?}", String::from_utf8_lossy(&bytes));
+        }
+    }
+}
+
+/// The same message in both encodings.
+fn encodings<M: Message + serde::Serialize>(message: &M) -> [Vec<u8>; 2] {
+    let json = serde_json::to_vec(message).expect("a message can be written");
+    [message.encode_to_vec(), json]
+}
+
+const SLIDE: &str = "<robot name='r'>\n<link name='base'/>\n<link name='cart'><inertial><origin xyz='0 0 1' rpy='0 0 0'/>\
+    <mass value='2'/><inertia ixx='0.1' ixy='0' ixz='0' iyy='0.1' iyz='0' izz='0.1'/></inertial></link>\n\
+    <joint name='j' type='prismatic'><parent link='base'/><child link='cart'/><axis xyz='0 1 0'/>\
+    <limit lower='-1' upper='1' effort='10' velocity='2'/><dynamics damping='1' friction='2'/>\
+    <mimic joint='k' multiplier='2'/></joint><!-- c --></robot>";
+
+#[test]
+fn urdfs_are_read_or_refused() {
+    let arm = text("tests/vectors/robots/ur5e/ur5e.urdf");
+    run(
+        1,
+        targets::urdf,
+        &[SLIDE.into(), SLIDE.replace("<mimic", "<x").into(), arm.into()],
+    );
+}
+
+#[test]
+fn registrations_are_read_or_refused() {
+    let urdf = v1::RegisterRobotRequest {
+        description: Some(v1::RobotDescription {
+            urdf: SLIDE.replace("<mimic", "<x"),
+            ..Default::default()
+        }),
+        ..Default::default()
+    };
+    let scara = v1::RegisterRobotRequest {
+        description: Some(example("scara")),
+        ..urdf.clone()
+    };
+    let inputs = [
+        encodings(&registration("arm", 5.0)),
+        encodings(&urdf),
+        encodings(&scara),
+    ]
+    .concat();
+    run(2, targets::register_robot, &inputs);
+}
+
+#[test]
+fn moves_are_planned_or_refused() {
+    let plain = plan_move("scara", &[-1.0, 1.0, 0.1, 0.0], &[1.0, -1.0, 0.15, 2.0]);
+    let full = v1::PlanMoveRequest {
+        target_velocity: vec![1.0, 2.0, 0.5, 3.0],
+        payload: Some(v1::Payload {
+            mass_kg: Some(1.0),
+            center_of_mass_m: vec![0.0, 0.0, 0.1],
+            inertia_kg_m2: vec![0.01, 0.01, 0.01, 0.0, 0.0, 0.0],
+        }),
+        limits: vec![v1::LimitOverride {
+            joint: "elbow".to_owned(),
+            velocity: Some(2.0),
+            peak_torque: Some(50.0),
+            ..Default::default()
+        }],
+        torque_utilization: Some(0.9),
+        speed_scale: Some(0.5),
+        method: Some(1),
+        sample_period_s: Some(0.1),
+        cycle_time_s: Some(20.0),
+        ..plain.clone()
+    };
+    run(3, targets::plan_move, &[encodings(&plain), encodings(&full)].concat());
+}
+
+#[test]
+fn trajectories_are_checked_or_refused() {
+    let point = |time_s: f64, position: f64| v1::TrajectoryPoint {
+        time_s,
+        position: vec![position, 0.0, 0.1, 0.0],
+        velocity: vec![0.1; 4],
+        acceleration: vec![0.0; 4],
+    };
+    let request = v1::CheckTrajectoryRequest {
+        trajectory: Some(v1::Trajectory {
+            points: vec![point(0.0, 0.0), point(0.5, 0.1), point(1.0, 0.3)],
+            interpolation: Some(2),
+        }),
+        torque_utilization: Some(0.9),
+        cycle_time_s: Some(2.0),
+        ..Default::default()
+    };
+    run(4, targets::check_trajectory, &encodings(&request));
+}
+
+#[test]
+fn states_are_computed_or_refused() {
+    let state = v1::JointState {
+        position: vec![0.1, -0.2, 0.1, 0.4],
+        velocity: vec![1.0; 4],
+        acceleration: vec![2.0; 4],
+    };
+    let torques = v1::InverseDynamicsRequest {
+        states: vec![state.clone(), state],
+        payload: Some(v1::Payload {
+            mass_kg: Some(1.0),
+            ..Default::default()
+        }),
+        r#return: vec![1, 2],
+        ..Default::default()
+    };
+    run(5, targets::inverse_dynamics, &encodings(&torques));
+    let poses = v1::ForwardKinematicsRequest {
+        states: vec![v1::JointPosition {
+            position: vec![0.1, -0.2, 0.1, 0.4],
+        }],
+        tool: Some(v1::Tool {
+            tcp: Some(v1::Pose {
+                position_m: vec![0.0, 0.0, 0.2],
+                orientation: vec![0.0, 0.0, 0.0, 1.0],
+            }),
+        }),
+        ..Default::default()
+    };
+    run(6, targets::forward_kinematics, &encodings(&poses));
+}
