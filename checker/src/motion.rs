@@ -84,6 +84,20 @@ pub fn part_at(pattern: &Pattern, time: f64) -> Part {
     }
 }
 
+/// The time of one part that is closest to `time`. Where switching times of several joints count as one, a joint's own
+/// part ends a moment before or begins a moment after: its law beyond that would have speeds that the joint never has.
+#[must_use]
+pub fn within(pattern: &Pattern, part: Part, time: f64) -> f64 {
+    let cruise_from = pattern.acceleration_time;
+    let brake_from = cruise_from + pattern.cruise_time;
+    match part {
+        Part::Rest => time,
+        Part::Acceleration => time.min(cruise_from),
+        Part::Cruise => time.clamp(cruise_from, brake_from),
+        Part::Deceleration => time.clamp(brake_from, brake_from + pattern.deceleration_time),
+    }
+}
+
 /// The state at `time` by the law of one part, also at its borders and a rounding beyond: so both sides of a switching
 /// time can be had.
 #[must_use]

@@ -203,7 +203,7 @@ impl Checker {
         let sample = &mut self.sample;
         for (joint, pattern) in planned.patterns.iter().enumerate() {
             let part = self.parts[joint];
-            let state = motion::state_in(pattern, part, time);
+            let state = motion::state_in(pattern, part, motion::within(pattern, part, time));
             sample.q[joint] = planned.start[joint] + state.travelled;
             sample.qd[joint] = state.velocity;
             sample.qdd[joint] = state.acceleration;

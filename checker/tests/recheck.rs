@@ -256,6 +256,18 @@ fn switching_times_apart_by_a_rounding_are_one() {
 }
 
 #[test]
+fn no_law_is_followed_beyond_its_part() {
+    // The upper lift brakes an instant before the lower one, which cruises at its limit: braking that began with the
+    // upper one's would have come from a higher speed.
+    let report = check(|_, patterns| {
+        patterns[1].cruise_time -= 2e-8;
+        patterns[1].deceleration_time += 2e-8;
+    });
+    let worst = report.worst_of(LimitKind::Velocity).expect("speeds are limited");
+    assert_eq!((worst.joint, worst.excess), (0, 0.0));
+}
+
+#[test]
 fn shortest_of_ramps_is_not_lost() {
     // 1e-8 of the duration, and 2·(10 + 1e6) N.
     let sudden = Pattern {

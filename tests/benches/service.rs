@@ -166,7 +166,7 @@ struct Measured {
 #[derive(Clone)]
 enum Callers {
     Grpc(String, Vec<PlanServiceClient<Channel>>),
-    Http(String, Client<HttpConnector, Full<Bytes>>),
+    Http(String, Box<Client<HttpConnector, Full<Bytes>>>),
 }
 
 impl Measured {
@@ -186,7 +186,7 @@ impl Measured {
         let url = format!("http://{}", line.trim());
         let callers = match name {
             "echo-tonic" | "takt-grpc" => Callers::Grpc(url, Vec::new()),
-            _ => Callers::Http(url, Client::builder(TokioExecutor::new()).build_http()),
+            _ => Callers::Http(url, Box::new(Client::builder(TokioExecutor::new()).build_http())),
         };
         Self {
             name,
