@@ -232,3 +232,131 @@ fn puma_keeps_every_limit() {
 fn scara_keeps_every_limit() {
     Trial::of("scara", 0x5ca4, 2.0).run();
 }
+
+/// A move that an earlier planner got wrong.
+struct Found {
+    robot: &'static str,
+    start: &'static [f64],
+    target: &'static [f64],
+    payload_kg: f64,
+    payload_center: [f64; 3],
+    torque_utilization: f64,
+    speed_scale: f64,
+    method: Method,
+}
+
+impl Found {
+    /// Asserts that it has a plan, and that the plan keeps every limit.
+    fn check(&self) {
+        let trial = Trial::of(self.robot, 0, 0.0);
+        let request = MoveRequest {
+            start: self.start.to_vec(),
+            target: self.target.to_vec(),
+            target_velocity: None,
+            payload: Some(Inertial {
+                mass: self.payload_kg,
+                center_of_mass: self.payload_center.into(),
+                inertia: Matrix3::identity() * (1e-3 * self.payload_kg),
+            }),
+            limits: Vec::new(),
+            torque_utilization: self.torque_utilization,
+            speed_scale: self.speed_scale,
+            method: self.method,
+            sampling: Sampling::None,
+            cycle_time: None,
+        };
+        let outcome = plan_move(&trial.robot, &request, &Budget::unlimited());
+        match outcome.expect("the request is right") {
+            MoveOutcome::Plan(plan) => trial.check(&request, &plan),
+            MoveOutcome::Infeasible(refusal) => panic!("{refusal:?}"),
+        }
+    }
+}
+
+/// Its torque limit was exceeded by 3e-6, 28 ms after a switching time.
+#[test]
+fn a_peak_soon_after_a_switching_time_is_seen() {
+    Found {
+        robot: "ur5e",
+        start: &[
+            1.9586408090251926,
+            -5.329509687343432,
+            2.0249232581299887,
+            2.929321995481658,
+            -2.4812812237706097,
+            5.000242329719843,
+        ],
+        target: &[
+            -0.6752551449916133,
+            -0.24076288580445926,
+            -1.545613809313278,
+            -0.3746817729847516,
+            -4.94583587935986,
+            5.000242329719843,
+        ],
+        payload_kg: 3.1968181749042133,
+        payload_center: [0.05055242249049961, 0.034580942698722514, 0.015046465427218894],
+        torque_utilization: 0.5806504428342663,
+        speed_scale: 1.0,
+        method: Method::Preset,
+    }
+    .check();
+}
+
+/// It was said to have no feasible speed: acceleration and deceleration just fill the way, and a rounding decided.
+#[test]
+fn ramps_that_just_fill_the_way_are_planned() {
+    Found {
+        robot: "fr3",
+        start: &[
+            1.5694021177561823,
+            0.7693861499491077,
+            -2.609698753757953,
+            -2.6420881104898277,
+            -0.43383135025771313,
+            1.9927677163689537,
+            -2.6152598806523275,
+        ],
+        target: &[
+            1.5876003664647143,
+            0.7504697724958962,
+            -2.601263995726098,
+            -2.6461096094475764,
+            -0.4065875095524071,
+            1.9827258396401204,
+            -2.6152598806523275,
+        ],
+        payload_kg: 2.5272228043480194,
+        payload_center: [0.06891494779299671, 0.0430164549438226, -0.03948804803360902],
+        torque_utilization: 0.4581869151337843,
+        speed_scale: 0.6965456793180083,
+        method: Method::Verified,
+    }
+    .check();
+}
+
+/// It was said to have no feasible speed: planning and verifying took turns for longer than they may.
+#[test]
+fn a_plan_that_needs_many_rounds_is_found() {
+    Found {
+        robot: "scara",
+        start: &[
+            -1.8392686658546542,
+            1.6026464002244798,
+            0.1207108714082664,
+            -4.5983652875193295,
+        ],
+        target: &[
+            -2.216562656980207,
+            -0.296033897211331,
+            0.1907182473826838,
+            -5.375793383537693,
+        ],
+        payload_kg: 1.4384526612676265,
+        payload_center: [0.04770362687800066, -0.03374451639642501, -0.07735182127012387],
+        torque_utilization: 0.59941604075698,
+        speed_scale: 1.0,
+        method: Method::Verified,
+    }
+    .check();
+}
