@@ -1,7 +1,5 @@
 //! Deadlines, sizes, overload, and the end of the service.
 
-use std::time::Duration;
-
 use takt_proto::v1::{self, dynamics_service_client::DynamicsServiceClient};
 use takt_server::{Config, Limits};
 use tokio::{
