@@ -12,7 +12,8 @@
 //! plan is verified; where verification finds more torque between samples, its moments become samples, and the law is
 //! computed again (the exchange of Remez). It ends with every limit kept and the limiting one touched.
 //!
-//! The smallest root is taken: from it down to standstill the limit holds too, so the plan is safe at every slower override.
+//! The smallest root is taken: from it down to creeping the limit holds too, so the plan is safe at every slower override. (Not
+//! always when stopped on the way: an arm that friction helped to lower must then be held without it.)
 
 use super::outcome::{Infeasible, Pattern};
 use super::preset::speed;
