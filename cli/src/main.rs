@@ -8,6 +8,11 @@ use std::{
 
 use takt_cli::{Io, Terminal, run};
 
+/// A plan is made on one thread and sent from another, which the C library's allocator does not take lightly: it cost
+/// the service a sixth of a plan's time (`docs/performance.md`).
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() -> ExitCode {
     let (output, errors) = (io::stdout(), io::stderr());
     let width = env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok());

@@ -5,10 +5,10 @@
 //! cargo bench --package takt-tests --bench service -- [rounds]
 //! ```
 //!
-//! Every server is a process of its own (this program again); its user and system time is read before and after each
-//! round. Rounds of all servers take turns, and medians over the rounds are compared, so that a busy machine disturbs
-//! all alike. The echoes read the same requests and answer with a plan made beforehand: tonic's generated server for
-//! gRPC, axum's `Json` for HTTP. Linux only: times are read from `/proc`.
+//! Every server is a process of its own (this program again); the time that its threads ran is read before and after
+//! each round. Rounds of all servers take turns, and medians over the rounds are compared, so that a busy machine
+//! disturbs all alike. The echoes read the same requests and answer with a plan made beforehand: tonic's generated
+//! server for gRPC, axum's `Json` for HTTP. Linux only: times are read from `/proc`.
 
 #![allow(clippy::print_stdout, reason = "a program that prints a table")]
 
@@ -17,7 +17,6 @@ use std::net::SocketAddr;
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Instant;
 
 use axum::routing::post;
 use bytes::Bytes;
@@ -34,6 +33,10 @@ use takt_proto::v1;
 use takt_proto::v1::plan_service_client::PlanServiceClient;
 use takt_proto::v1::plan_service_server::{PlanService, PlanServiceServer};
 use tonic::transport::Channel;
+
+/// The allocator of the binary `takt`; the echoes have it too.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 const CALLERS: usize = 64;
 
@@ -91,16 +94,23 @@ fn median(values: &mut [f64]) -> f64 {
     values[values.len() / 2]
 }
 
-/// Time of a plan with nothing around it, us: the mean over the moves, since the servers' figures are means, of the
-/// fastest of three, which no other process interrupted.
+/// CPU time of a plan with nothing around it, us: the mean over the moves, with a thread on every core, as the service
+/// has it. Alone, a plan has a core's caches and execution units to itself and takes a tenth less.
 fn plan_alone(robot: &Robot, moves: &[MoveRequest]) -> f64 {
-    let once = |request| {
-        let began = Instant::now();
-        std::hint::black_box(plan_move(robot, request, &Budget::unlimited())).ok();
-        began.elapsed().as_secs_f64() * 1e6
+    let plan_all = || {
+        let before = ran("/proc/thread-self");
+        for request in moves {
+            std::hint::black_box(plan_move(robot, request, &Budget::unlimited())).ok();
+        }
+        (ran("/proc/thread-self") - before) * 1e6 / moves.len() as f64
     };
-    let fastest = |request| (0..3).map(|_| once(request)).fold(f64::INFINITY, f64::min);
-    moves.iter().map(fastest).sum::<f64>() / moves.len() as f64
+    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let costs: Vec<f64> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..threads).map(|_| scope.spawn(plan_all)).collect();
+        let costs = threads.into_iter().map(|thread| thread.join().expect("it plans"));
+        costs.collect()
+    });
+    costs.iter().sum::<f64>() / costs.len() as f64
 }
 
 fn robot() -> Result<Robot, Failure> {
@@ -258,13 +268,17 @@ impl Drop for Measured {
     }
 }
 
-/// User and system time of a process and all its threads so far, s.
+/// Time that a process' threads have run so far, s.
 fn cpu_time(process: u32) -> f64 {
-    let text = std::fs::read_to_string(format!("/proc/{process}/stat")).expect("the process runs");
-    // fields 14 and 15, in hundredths of a second; the second field, a name, may hold anything but ends the last bracket
-    let (_, fields) = text.rsplit_once(')').expect("the name is in brackets");
-    let times = fields.split_whitespace().skip(11).take(2);
-    times.filter_map(|ticks| ticks.parse::<f64>().ok()).sum::<f64>() / 100.0
+    let threads = std::fs::read_dir(format!("/proc/{process}/task")).expect("the process runs");
+    threads.flatten().map(|thread| ran(thread.path())).sum()
+}
+
+/// Time that a thread has run so far, s: the scheduler's own count, in nanoseconds.
+fn ran(thread: impl AsRef<std::path::Path>) -> f64 {
+    let text = std::fs::read_to_string(thread.as_ref().join("schedstat")).unwrap_or_default();
+    let nanoseconds = text.split_whitespace().next().and_then(|text| text.parse::<f64>().ok());
+    nanoseconds.unwrap_or(0.0) / 1e9
 }
 
 /// Runs a server until its standard input ends.
