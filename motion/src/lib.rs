@@ -26,9 +26,14 @@
 #![warn(missing_docs)]
 
 pub mod budget;
+#[allow(dead_code, reason = "the path planner under construction")]
+mod curve;
 pub mod dynamics;
 pub mod error;
+#[allow(dead_code, reason = "the path planner under construction")]
+mod jet;
 pub mod kinematics;
+pub mod path;
 pub mod plan;
 pub mod robot;
 mod scalar;

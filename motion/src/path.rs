@@ -1,0 +1,4 @@
+//! Robot programs: joint moves, lines, arcs and splines, blended into paths q(s) that are smooth to the third derivative.
+
+pub mod outcome;
+pub mod request;
