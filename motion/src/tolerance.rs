@@ -79,3 +79,9 @@ pub const TRAJECTORY_POINTS_MAX: usize = 100_000;
 
 /// Shortest time between two points of a foreign trajectory, s: below any controller's cycle by a factor of a thousand.
 pub(crate) const POINT_SPACING_MIN: f64 = 1.0e-7;
+
+/// Nodes of a timing grid closer than this part of the path are one: rounding of knots that were computed twice.
+pub(crate) const GRID_NODES_APART: f64 = 1.0e-12;
+
+/// Largest squared path velocity that is planned where nothing bounds it, 1/s².
+pub(crate) const PATH_SPEED_SQUARED_MAX: f64 = 1.0e12;
