@@ -5,6 +5,7 @@
 
 pub(crate) mod coefficients;
 pub(crate) mod grid;
+pub(crate) mod law;
 pub(crate) mod limits;
 #[cfg(test)]
 mod test_curves;
