@@ -43,7 +43,7 @@ const ROUNDS: usize = 4;
 const NEAR: f64 = 1.0e-3;
 
 /// A path and when it is where.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub(super) struct Timed<'a> {
     pub(super) curve: &'a dyn Curve,
     pub(super) law: &'a TimeLaw,
@@ -117,10 +117,10 @@ impl State {
 
     /// The state at a time since the path began, from one side of a place where derivatives jump.
     pub(super) fn set(&mut self, curve: &dyn Curve, law: &TimeLaw, time: f64, side: Side) {
-        let at = law.at(time, side);
-        curve.evaluate(at.s, side, &mut self.point);
-        self.s = at.s;
-        let (rate, acceleration, jerk) = (at.rate, at.acceleration, at.jerk);
+        let at = law.at(time);
+        curve.evaluate(at.position, side, &mut self.point);
+        self.s = at.position;
+        let (rate, acceleration, jerk) = (at.velocity, at.acceleration, at.jerk);
         let point = &self.point;
         self.position.copy_from_slice(&point.position);
         for joint in 0..self.position.len() {
@@ -154,7 +154,7 @@ pub(super) fn examine(
     budget: &Budget<'_>,
 ) -> Result<Examined, Stopped> {
     let mut examiner = Examiner::new(robot, tcp, timed, ranges);
-    let breaks = timed.law.breaks();
+    let breaks = timed.law.times();
     let mut first = 0;
     while first + 1 < breaks.len() {
         budget.check()?;
