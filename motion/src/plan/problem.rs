@@ -28,6 +28,7 @@ pub(super) struct JointLimit {
     pub(super) velocity: f64,
     pub(super) acceleration: Option<f64>,
     pub(super) deceleration: Option<f64>,
+    pub(super) jerk: Option<f64>,
     pub(super) position_lower: Option<f64>,
     pub(super) position_upper: Option<f64>,
 }
@@ -192,7 +193,7 @@ impl Problem {
             names.join(", ")
         };
         let unchecked = names(&|joint| self.limits[joint].torque.is_none());
-        let jerky = names(&|joint| self.moves(joint) && spec.joints[joint].limits.jerk.is_some());
+        let jerky = names(&|joint| self.moves(joint) && self.limits[joint].jerk.is_some());
         if !unchecked.is_empty() {
             self.warnings
                 .push(format!("peak torque unknown, torque not checked: {unchecked}"));
@@ -223,6 +224,7 @@ pub(super) fn limits_in_force(
                 velocity: known.velocity.unwrap_or(f64::INFINITY),
                 acceleration: known.acceleration,
                 deceleration: known.deceleration,
+                jerk: known.jerk,
                 position_lower: known.position_lower.filter(|_| limited),
                 position_upper: known.position_upper.filter(|_| limited),
             }
@@ -293,6 +295,9 @@ fn tighten(limit: &mut JointLimit, change: &LimitOverride, peak: Option<f64>, pa
     }
     if deceleration.is_some() {
         limit.deceleration = deceleration;
+    }
+    if let Some(jerk) = upper("jerk", change.jerk, limit.jerk) {
+        limit.jerk = Some(jerk);
     }
     let (lower, upper) = (limit.position_lower, limit.position_upper);
     for (field, value, slot, outward) in [
