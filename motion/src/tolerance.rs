@@ -165,3 +165,16 @@ pub(crate) const IK_JACOBI_SWEEPS: usize = 12;
 
 /// What is left beside the diagonal, over its sum, when eigenvalues count as found: their error is its square.
 pub(crate) const IK_EIGEN_ROUNDING: f64 = 1.0e-9;
+
+/// Rounds of slowing a timed path down and verifying it again, and of the bisection for how much. The timing is certified
+/// already: one round at most is expected.
+pub(crate) const PATH_SLOW_ROUNDS: usize = 40;
+
+/// Part by which a path is slowed down more than the broken limit asks for, against the same excess a second time.
+pub(crate) const PATH_SLOW_RESERVE: f64 = 1.0e-7;
+
+/// Change of path speed over the whole duration, relative to the speed, below which it counts as constant.
+pub(crate) const PATH_CRUISE: f64 = 1.0e-6;
+
+/// Rounds of bisection for a place on a path: to the last bit.
+pub(crate) const PATH_LOCATE_ROUNDS: usize = 60;

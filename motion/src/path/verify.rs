@@ -115,6 +115,14 @@ impl State {
         }
     }
 
+    /// At rest.
+    pub(super) fn rest_at(&mut self, position: &[f64]) {
+        self.position.copy_from_slice(position);
+        for rates in [&mut self.velocity, &mut self.acceleration, &mut self.jerk] {
+            rates.fill(0.0);
+        }
+    }
+
     /// The state at a time since the path began, from one side of a place where derivatives jump.
     pub(super) fn set(&mut self, curve: &dyn Curve, law: &TimeLaw, time: f64, side: Side) {
         let at = law.at(time);
