@@ -178,3 +178,66 @@ pub(crate) const PATH_CRUISE: f64 = 1.0e-6;
 
 /// Rounds of bisection for a place on a path: to the last bit.
 pub(crate) const PATH_LOCATE_ROUNDS: usize = 60;
+/// Exponent beyond which the tan-sigmoid counts as 0 or 1: exp(−300) is 1e-130, far below rounding, and every factor of
+/// its derivatives is still finite.
+pub(crate) const SIGMOID_EXPONENT_MAX: f64 = 300.0;
+
+/// Rounds of Newton's method on the pace of a blend; four do for any ratio of its sides up to ten.
+pub(crate) const PASSAGE_ROUNDS: usize = 60;
+
+/// The place within a blend, 0 to 1, is known to so much: four units in the last place.
+pub(crate) const PASSAGE_ROUNDING: f64 = 1.0e-15;
+
+/// Part of a path's length within which a point counts as being at a knot: a thousand roundings of sums of lengths.
+pub(crate) const KNOT_ROUNDING: f64 = 1.0e-13;
+
+/// What is left of a segment between two blends counts as nothing below this part of it.
+pub(crate) const SEAM_ROUNDING: f64 = 1.0e-9;
+
+/// Samples of one polynomial or one blend for its mean and least pace: they set the scale of the path's parameter and
+/// where a least value is sought, not the path.
+pub(crate) const PACE_SAMPLES: usize = 32;
+
+/// Steps by which the length of the tool's way is measured: extrapolated chords are true to 1e-6 for a quarter turn.
+pub(crate) const TOOL_LENGTH_SAMPLES: usize = 32;
+
+/// Steps from a corner in which the end of a blend is sought before it is bisected.
+pub(crate) const HELPER_SAMPLES: usize = 64;
+
+/// Halvings until an interval is at the rounding of its ends.
+pub(crate) const BISECTIONS: usize = 52;
+
+/// Rounds of a golden section: the valley is then found to 1e-8 of its width, where the values differ by rounding.
+pub(crate) const GOLDEN_ROUNDS: usize = 40;
+
+/// Most segments of one program: as many as a long deburring path that was taught point by point.
+pub const SEGMENTS_MAX: usize = 10_000;
+
+/// Most taught points of one program, those of its splines included.
+pub const TARGETS_MAX: usize = 20_000;
+
+/// Most points of one spline: their equations are solved at once.
+pub const SPLINE_POINTS_MAX: usize = 2_000;
+
+/// Most control points of one Bezier curve after its start: its degree, beyond which powers lose digits.
+pub const BEZIER_POINTS_MAX: usize = 10;
+
+/// Steepest tan-sigmoid: the jerk of a blend goes with its cube, and at a hundred it is a step.
+pub(crate) const SIGMOID_STEEPNESS_MAX: f64 = 100.0;
+
+/// Travel below which a segment goes nowhere, rad or m: under any encoder's step, above the rounding of taught points.
+pub(crate) const SEGMENT_MIN: f64 = 1.0e-9;
+
+/// Shortest part that a blend may take of a segment, in seconds at full speed: a hundredth of a fast controller's cycle;
+/// shorter, its third derivatives lose their digits.
+pub(crate) const BLEND_MIN: f64 = 1.0e-5;
+
+/// Least pace of a path, as part of full speed at ṡ = 1. Below it the path turns back on itself and needs a stop; a corner
+/// that only nearly does is that slow at 1e-4 rad from it.
+pub(crate) const PACE_MIN: f64 = 1.0e-4;
+
+/// Samples of each part of a blend for its deviation: chords miss an arc by a thousandth of its height.
+pub(crate) const DEVIATION_SAMPLES: usize = 32;
+
+/// Intervals of the grid that a path is timed on: the certified timing is then within 1 % of the optimum.
+pub(crate) const TIMING_INTERVALS: usize = 500;
