@@ -297,3 +297,36 @@ pub(crate) const GRID_EVEN_SHARE: f64 = 0.5;
 
 /// Rounds of bisection for the largest speed at the end of a path: evidence to a thousandth.
 pub(crate) const BOUNDARY_ROUNDS: usize = 12;
+/// How far axes may be from meeting, over the arm's size, or from being parallel, rad, for a closed form to be used: the
+/// calibrated kinematics of real arms are within it. Newton steps lead from the ideal arm's answer to the real one's.
+pub(crate) const IK_GEOMETRY: f64 = 5.0e-3;
+
+/// The same where the closed form is that of the arm itself, but for rounding.
+pub(crate) const IK_IDEAL: f64 = 1.0e-9;
+
+/// Distance of two axes over the arm's size, or sine between them, below which they meet or are parallel in a closed
+/// form's equations: these divide by its square, which leaves six digits, and Newton steps do the rest.
+pub(crate) const IK_SEPARATE: f64 = 1.0e-5;
+
+/// Least sine between neighbouring axes of a wrist: below it, half of all rotations are out of reach.
+pub(crate) const IK_BESIDE_MIN: f64 = 1.0e-2;
+
+/// How far beyond a circle a solution may lie, of its squared radius, to count as touching it: the arm is stretched, and
+/// rounding decides. Newton steps find out whether the pose is reached.
+pub(crate) const IK_CLAMP: f64 = 1.0e-6;
+
+/// Distance from a turn's axis of what it acts on, over the arm's size, below which its angle is left to the reference:
+/// rounding of a cosine near 1 is an angle of 1e-8.
+pub(crate) const IK_UNDETERMINED: f64 = 1.0e-7;
+
+/// Imaginary part of a root that may be a double real one: the square root of what [`IK_CLAMP`] lets through.
+pub(crate) const IK_NEARLY_REAL: f64 = 1.0e-3;
+
+/// Relative step at which roots of a quartic are found: convergence is cubic, the next one is below rounding.
+pub(crate) const IK_ROOT_ROUNDING: f64 = 1.0e-9;
+
+/// Most rounds of the iteration for them; simple roots take six to eight, double ones thirty.
+pub(crate) const IK_ROOT_ROUNDS: usize = 40;
+
+/// Gap of a closed form's answer, over the arm's size and in rad, that is not worth a Newton step.
+pub(crate) const IK_POLISHED: f64 = 1.0e-13;

@@ -10,16 +10,21 @@
 //! connected family the answer is the member nearest to it, within the joint ranges where there is one. Distances
 //! between joint positions are √Σ(qⱼ − rⱼ)², rad and m alike.
 
+mod circle;
 mod gap;
 mod newton;
+mod parallel;
+mod quartic;
 mod ranges;
 mod screws;
 mod search;
 mod singular;
+mod six;
 mod square;
 #[cfg(test)]
 mod tests;
 mod unreachable;
+mod wrist;
 
 use nalgebra::Isometry3;
 
@@ -27,6 +32,7 @@ use crate::robot::Robot;
 use newton::squared_distance;
 use ranges::Range;
 use screws::{Place, Screws};
+use six::ClosedForm;
 pub use unreachable::Unreachable;
 
 /// The answers for one pose.
@@ -104,15 +110,18 @@ pub fn nearest(
 pub struct Inverse {
     screws: Screws,
     ranges: Vec<Range>,
+    closed_form: Option<ClosedForm>,
 }
 
 impl Inverse {
     /// Looks at the chain of a robot; `tcp` is the tool centre point's pose in the tip link's frame.
     #[must_use]
     pub fn new(robot: &Robot, tcp: &Isometry3<f64>) -> Self {
+        let screws = Screws::new(robot, tcp);
         Self {
-            screws: Screws::new(robot, tcp),
+            closed_form: ClosedForm::new(&screws),
             ranges: ranges::of_robot(robot),
+            screws,
         }
     }
 
@@ -128,14 +137,11 @@ impl Inverse {
     ) -> Result<Solutions, Unreachable> {
         let target = Place::from(pose);
         let reference = self.reference(reference);
-        let found = search::everywhere(&self.screws, target, &self.ranges, &reference);
-        if found.solutions.is_empty() {
-            return Err(out_of_reach(found.closest));
-        }
-        let positions = self.listed(found.solutions, &reference, turns);
+        let (solutions, method) = self.every_branch(target, &reference)?;
+        let positions = self.listed(solutions, &reference, turns);
         Ok(Solutions {
             solutions: positions.into_iter().map(|q| self.solution(q, &target)).collect(),
-            method: Method::Numerical,
+            method,
         })
     }
 
@@ -146,19 +152,33 @@ impl Inverse {
     pub fn nearest(&self, pose: &Isometry3<f64>, reference: &[f64]) -> Result<Vec<f64>, Unreachable> {
         let target = Place::from(pose);
         let reference = self.reference(Some(reference));
-        let (q, gap) = search::from_reference(&self.screws, target, &self.ranges, &reference);
-        if gap.is_closed() && self.is_in_range(&q) {
-            return Ok(q);
+        if self.closed_form.is_none() {
+            let (q, gap) = search::from_reference(&self.screws, target, &self.ranges, &reference);
+            if gap.is_closed() && self.is_in_range(&q) {
+                return Ok(q);
+            }
         }
-        let found = search::everywhere(&self.screws, target, &self.ranges, &reference);
-        if found.solutions.is_empty() {
-            return Err(out_of_reach(found.closest));
-        }
-        let mut positions = self.listed(found.solutions, &reference, Turns::Nearest);
+        let (solutions, _) = self.every_branch(target, &reference)?;
+        let mut positions = self.listed(solutions, &reference, Turns::Nearest);
         if self.is_in_range(&positions[0]) {
             return Ok(positions.swap_remove(0));
         }
         Err(self.outside(positions))
+    }
+
+    /// Every solution, each moved into its range where that is possible: by the closed form, else by searching.
+    fn every_branch(&self, target: Place, reference: &[f64]) -> Result<(Vec<Vec<f64>>, Method), Unreachable> {
+        if let Some(closed_form) = &self.closed_form {
+            let solutions = search::from_candidates(&self.screws, closed_form, target, &self.ranges, reference);
+            if !solutions.is_empty() {
+                return Ok((solutions, Method::ClosedForm));
+            }
+        }
+        let found = search::everywhere(&self.screws, target, &self.ranges, reference);
+        if found.solutions.is_empty() {
+            return Err(out_of_reach(found.closest));
+        }
+        Ok((found.solutions, Method::Numerical))
     }
 
     /// One value a joint: the reference, or the middle of the range where it has none.

@@ -9,8 +9,9 @@ use super::gap::Gap;
 use super::newton::Newton;
 use super::ranges::{self, Range};
 use super::screws::{Place, Screws};
+use super::six::ClosedForm;
 use crate::robot::JOINTS_MAX;
-use crate::tolerance::{IK_DISTINCT, IK_PATIENCE, IK_STARTS, IK_WORK};
+use crate::tolerance::{IK_DISTINCT, IK_PATIENCE, IK_POLISHED, IK_STARTS, IK_WORK};
 
 /// The first 32 primes, one a joint.
 const PRIMES: [f64; JOINTS_MAX] = [
@@ -38,6 +39,40 @@ pub(super) fn from_reference(screws: &Screws, target: Place, ranges: &[Range], r
     settle(&mut newton, ranges, &mut q, reference);
     let gap = newton.gap(&q);
     (q, gap)
+}
+
+/// The solutions that a closed form's answers lead to. Those of an ideal arm are solutions but for rounding.
+pub(super) fn from_candidates(
+    screws: &Screws,
+    closed_form: &ClosedForm,
+    target: Place,
+    ranges: &[Range],
+    reference: &[f64],
+) -> Vec<Vec<f64>> {
+    let mut newton = Newton::new(screws, target);
+    let mut solutions: Vec<Vec<f64>> = Vec::new();
+    let mut add = |newton: &mut Newton<'_>, mut q: Vec<f64>, is_free: bool| {
+        let is_polished = newton.gap(&q).squared(screws.size) <= IK_POLISHED * IK_POLISHED;
+        if !is_polished && !newton.run(&mut q).gap.is_closed() {
+            return;
+        }
+        if is_free {
+            ranges::unwind(ranges, &mut q, reference);
+            newton.attract(&mut q, reference);
+        }
+        ranges::fit(ranges, &mut q, reference);
+        if !is_known(ranges, &solutions, &q) {
+            solutions.push(q);
+        }
+    };
+    for candidate in closed_form.candidates(screws, &target, reference) {
+        add(&mut newton, candidate.q.to_vec(), candidate.is_free);
+    }
+    if !closed_form.is_ideal {
+        // near a singularity the ideal arm may lack a branch that the real one has
+        add(&mut newton, reference.to_vec(), true);
+    }
+    solutions
 }
 
 /// Every solution that the starts lead to.
@@ -73,6 +108,12 @@ pub(super) fn everywhere(screws: &Screws, target: Place, ranges: &[Range], refer
     }
     let closest = closest.unwrap_or_else(|| (reference.to_vec(), newton.gap(reference)));
     Found { solutions, closest }
+}
+
+fn is_known(ranges: &[Range], solutions: &[Vec<f64>], q: &[f64]) -> bool {
+    solutions
+        .iter()
+        .any(|known| ranges::difference(ranges, known, q) < IK_DISTINCT)
 }
 
 /// The k-th start; the reference is the first.

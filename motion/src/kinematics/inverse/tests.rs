@@ -1,6 +1,7 @@
 //! Joint positions against the poses that they were made from.
 
 mod arms;
+mod closed_form;
 mod numerical;
 
 use nalgebra::Isometry3;
