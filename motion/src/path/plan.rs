@@ -141,12 +141,7 @@ fn time(
         end_speeds: speeds,
         intervals: TIMING_INTERVALS,
     };
-    let timing = if problem.limits_jerk(&stroke) {
-        timing::jerk::jerk_limited(&task, budget)?
-    } else {
-        timing::optimal(&task, budget)?
-    };
-    let mut law = match timing {
+    let mut law = match timing::optimal(&task, budget)? {
         Ok(timing) => timing.law,
         Err(obstacle) => return Ok(Err(refusal(&stroke, &obstacle))),
     };
