@@ -79,3 +79,16 @@ pub const TRAJECTORY_POINTS_MAX: usize = 100_000;
 
 /// Shortest time between two points of a foreign trajectory, s: below any controller's cycle by a factor of a thousand.
 pub(crate) const POINT_SPACING_MIN: f64 = 1.0e-7;
+
+/// Least pivot of the jerk solver's normal equations, which are positive definite but for rounding.
+pub(crate) const PIVOT_FLOOR: f64 = 1.0e-300;
+
+/// Part of the room between static torque and its limit that tightening leaves at least: slower always helps, so
+/// tightening further than this is left to the uniform slow-down.
+pub(crate) const TORQUE_ROOM_MIN: f64 = 0.25;
+
+/// Most iterations of one solve of the jerk problem; 10 to 40 are usual, and every iterate obeys the limits.
+pub(crate) const JERK_ITERATIONS: usize = 100;
+
+/// Most halvings of a step of the jerk solver; one is rare.
+pub(crate) const JERK_BACKTRACKS: usize = 30;

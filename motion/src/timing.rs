@@ -1,0 +1,3 @@
+//! Timing of paths under limits.
+
+pub(crate) mod jerk;
