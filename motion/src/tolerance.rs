@@ -150,3 +150,58 @@ pub(crate) const JERK_SLOW_ROUNDS: usize = 40;
 
 /// By how much slower than the certificate asks a motion is made: more than its rounding, far below every other loss.
 pub(crate) const JERK_RESERVE: f64 = 1.0e-5;
+/// Part of every limit that the timing leaves unused when it plans on samples: what is found between them is mostly below,
+/// so that few timings need another round. Costs a quarter of it in time.
+pub(crate) const TIMING_RESERVE: f64 = 5.0e-4;
+
+/// Part of a torque limit that gravity and Coulomb friction must leave anywhere on the path: twice [`TIMING_RESERVE`], so
+/// that every row has room left at standstill.
+pub(crate) const STATIC_ROOM: f64 = 1.0e-3;
+
+/// Facets of the polygon that stands for the circle of the tool's accelerations, a multiple of 4: 32 lose at most 0.5 %.
+pub(crate) const TOOL_FACETS: usize = 32;
+
+/// A row bounds no path acceleration where its coefficient is below this part of its right side, per 1/s²: even 1e8 1/s²
+/// takes up a millionth of the limit then.
+pub(crate) const REACH_ROW_FLAT: f64 = 1.0e-14;
+
+/// Width, relative to the terms it is a difference of, below which two bounds of the path acceleration meet: rounding.
+pub(crate) const REACH_WIDTH: f64 = 1.0e-13;
+
+/// Rounds of Newton's method to the border of a set: it takes fewer than there are rows, three or four as a rule.
+pub(crate) const REACH_ROUNDS: usize = 100;
+
+/// Into how many parts the certificate of a timing divides an interval of its grid.
+pub(crate) const CHECK_PARTS: usize = 10;
+
+/// Fewest intervals that a path is timed with: fewer do not resolve one acceleration and one deceleration.
+pub(crate) const TIMING_INTERVALS_MIN: usize = 16;
+
+/// Into how many parts samples divide an interval of the timing. With b constant on an interval two keep torques to 0.1 %
+/// between samples at 500 intervals; more cost time and gain nothing that tightening does not.
+pub(crate) const TIMING_PARTS: usize = 2;
+
+/// A timing keeps a limit where it takes at most this part of it: what [`TIMING_RESERVE`] leaves, but for the reserve of
+/// whoever verifies the motion in time.
+pub(crate) const CERTIFIED: f64 = 1.0 - 2.0 * VERIFY_RESERVE;
+
+/// Rounds of planning again with less room where a limit was broken between samples. One to three do nearly always.
+pub(crate) const TIGHTEN_ROUNDS: usize = 4;
+
+/// Least part of its room that a round leaves a limit: what needs more is far from linear, and another round sees better.
+pub(crate) const TIGHTEN_MOST: f64 = 0.6;
+
+/// Part of a limit that slowing down evenly aims at: a little below what is certified, so that it ends.
+pub(crate) const SLOWDOWN_AIM: f64 = 1.0 - 1.0e-5;
+
+/// Passes with tangents of viscous torque where nothing is known yet: after two, a third gains below 0.1 % of the time.
+pub(crate) const VISCOUS_PASSES: usize = 2;
+
+/// Smallest squared path velocity of a tangent of viscous torque, as part of the largest on the path.
+pub(crate) const REFERENCE_FLOOR: f64 = 1.0e-4;
+
+/// Share of the grid's intervals that is spread evenly along the path; the rest is spread evenly in time.
+pub(crate) const GRID_EVEN_SHARE: f64 = 0.5;
+
+/// Rounds of bisection for the largest speed at the end of a path: evidence to a thousandth.
+pub(crate) const BOUNDARY_ROUNDS: usize = 12;
