@@ -14,6 +14,7 @@
 pub(crate) mod certificate;
 pub(crate) mod coefficients;
 pub(crate) mod grid;
+pub(crate) mod jerk;
 pub(crate) mod law;
 pub(crate) mod limiting;
 pub(crate) mod limits;

@@ -242,6 +242,54 @@ pub(crate) const DEVIATION_SAMPLES: usize = 32;
 /// Intervals of the grid that a path is timed on: the certified timing is then within 1 % of the optimum.
 pub(crate) const TIMING_INTERVALS: usize = 500;
 
+/// Least pivot of the jerk solver's normal equations, which are positive definite but for rounding.
+pub(crate) const PIVOT_FLOOR: f64 = 1.0e-300;
+
+/// Part of the room between static torque and its limit that tightening leaves at least: slower always helps, so
+/// tightening further than this is left to the uniform slow-down.
+pub(crate) const TORQUE_ROOM_MIN: f64 = 0.25;
+
+/// Most iterations of one solve of the jerk problem; 10 to 40 are usual, and every iterate obeys the limits.
+pub(crate) const JERK_ITERATIONS: usize = 100;
+
+/// Most halvings of a step of the jerk solver; one is rare.
+pub(crate) const JERK_BACKTRACKS: usize = 30;
+
+/// Least ṡ² of a starting profile as part of its largest: a solve must begin within its limits, not on them.
+pub(crate) const JERK_START_FLOOR: f64 = 1.0e-9;
+
+/// Part of every torque limit that must be left at rest: less would move an arm only in hours.
+pub(crate) const JERK_HOLDING_RESERVE: f64 = 1.0e-3;
+
+/// Intervals of the coarse grid of the jerk solver: its solution is within a few percent, and its work a tenth of that on
+/// the fine one.
+pub(crate) const JERK_COARSE_INTERVALS: usize = 80;
+
+/// Fewest intervals of the fine grid that are asked for: fewer would not follow the phases of constant jerk.
+pub(crate) const JERK_INTERVALS_MIN: usize = 40;
+
+/// Duality gap at which a solve ends, as part of the duration, on the fine and on the coarse grid. On the fine one it is below
+/// what the grid and the certificate cost.
+pub(crate) const JERK_GAP: f64 = 1.0e-3;
+pub(crate) const JERK_GAP_COARSE: f64 = 2.0e-2;
+
+/// Most rounds of tightening limits between samples and solving again; one or two do.
+pub(crate) const JERK_ROUNDS: usize = 3;
+
+/// Part of the speed that must be at stake for another round of tightening: below, slowing down evenly costs less
+/// than what a solve leaves.
+pub(crate) const JERK_ROUND_WORTH: f64 = 5.0e-4;
+
+/// Tightening aims at this part of each limit, and takes away at most down to the second in one round: a peak
+/// between two samples of a bad first grid is no measure of them.
+pub(crate) const JERK_TIGHTEN_TO: f64 = 0.9995;
+pub(crate) const JERK_TIGHTEN_MIN: f64 = 0.6;
+
+/// Rounds of slowing down evenly; one or two do, unless viscous friction helps against gravity.
+pub(crate) const JERK_SLOW_ROUNDS: usize = 40;
+
+/// By how much slower than the certificate asks a motion is made: more than its rounding, far below every other loss.
+pub(crate) const JERK_RESERVE: f64 = 1.0e-5;
 /// Part of every limit that the timing leaves unused when it plans on samples: what is found between them is mostly below,
 /// so that few timings need another round. Costs a quarter of it in time.
 pub(crate) const TIMING_RESERVE: f64 = 5.0e-4;
