@@ -2,6 +2,7 @@
 
 mod arms;
 mod closed_form;
+mod engines;
 mod numerical;
 
 use nalgebra::Isometry3;
