@@ -3,6 +3,7 @@
 mod arms;
 mod closed_form;
 mod engines;
+mod hard;
 mod numerical;
 
 use nalgebra::Isometry3;
