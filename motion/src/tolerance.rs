@@ -378,3 +378,7 @@ pub(crate) const IK_ROOT_ROUNDS: usize = 40;
 
 /// Gap of a closed form's answer, over the arm's size and in rad, that is not worth a Newton step.
 pub(crate) const IK_POLISHED: f64 = 1.0e-13;
+
+/// The same below which the angle may be free: the distance is itself the root of a root of rounding where two
+/// singularities come together.
+pub(crate) const IK_NEARLY_FREE: f64 = 1.0e-4;

@@ -153,7 +153,7 @@ impl Inverse {
         let target = Place::from(pose);
         let reference = self.reference(Some(reference));
         if self.closed_form.is_none() {
-            let (q, gap) = search::from_reference(&self.screws, target, &self.ranges, &reference);
+            let (q, gap) = search::from_reference(&self.screws, target, &self.ranges, &reference, true);
             if gap.is_closed() && self.is_in_range(&q) {
                 return Ok(q);
             }
@@ -164,6 +164,31 @@ impl Inverse {
             return Ok(positions.swap_remove(0));
         }
         Err(self.outside(positions))
+    }
+
+    /// The solution on the reference's own branch, continuously from there and without whole turns: for the next place
+    /// of a path. The reference must be near, by less than some tenths of a radian.
+    ///
+    /// # Errors
+    /// Where the branch ends at a singularity before the pose, or leaves a joint's range, or the pose is out of reach.
+    pub fn follow(&self, pose: &Isometry3<f64>, reference: &[f64]) -> Result<Vec<f64>, Unreachable> {
+        let target = Place::from(pose);
+        let reference = self.reference(Some(reference));
+        let (q, gap) = search::from_reference(&self.screws, target, &self.ranges, &reference, false);
+        if gap.is_closed() {
+            return if self.is_in_range(&q) {
+                Ok(q)
+            } else {
+                Err(self.outside(vec![q]))
+            };
+        }
+        self.every_branch(target, &reference)?;
+        Err(Unreachable::Singular {
+            smallest_singular_value: singular::look(&self.screws, &q, &target).1,
+            closest: q,
+            position_gap: gap.linear.norm(),
+            orientation_gap: gap.angular.norm(),
+        })
     }
 
     /// Every solution, each moved into its range where that is possible: by the closed form, else by searching.

@@ -8,7 +8,7 @@
 use nalgebra::Vector3;
 
 use super::quartic;
-use crate::tolerance::{IK_CLAMP, IK_UNDETERMINED};
+use crate::tolerance::{IK_CLAMP, IK_NEARLY_FREE, IK_UNDETERMINED};
 
 /// (cos θ, sin θ).
 pub(super) type Direction = (f64, f64);
@@ -170,18 +170,34 @@ impl Conic {
     }
 }
 
-/// The angle that turns `from` to `to` about h, as direction; `None` where one of them has nothing beside h that could
-/// be turned. `size` is the length that they are measured against.
-pub(super) fn turning(h: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>, size: f64) -> Option<Direction> {
+/// The angle that turns one vector to another.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Turning {
+    pub(super) direction: Direction,
+    /// The vectors are so near to the axis that the angle may be any.
+    pub(super) is_free: bool,
+}
+
+/// The angle that turns `from` to `to` about h; the reference's where one of them has nothing beside h that could be
+/// turned. `size` is the length that they are measured against.
+pub(super) fn turning(h: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>, size: f64, reference: f64) -> Turning {
     let u = from - h * h.dot(from);
     let v = to - h * h.dot(to);
     let product = libm::sqrt(u.norm_squared() * v.norm_squared());
+    let is_free = product <= IK_NEARLY_FREE * IK_NEARLY_FREE * size * size;
     if product <= IK_UNDETERMINED * IK_UNDETERMINED * size * size {
-        return None;
+        let (s, c) = libm::sincos(reference);
+        return Turning {
+            direction: (c, s),
+            is_free,
+        };
     }
     let (c, s) = (u.dot(&v), h.dot(&u.cross(&v)));
     let norm = libm::sqrt(c * c + s * s);
-    Some((c / norm, s / norm))
+    Turning {
+        direction: (c / norm, s / norm),
+        is_free,
+    }
 }
 
 /// A unit vector at right angles to h.

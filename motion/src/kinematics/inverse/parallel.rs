@@ -17,7 +17,7 @@
 use nalgebra::Vector3;
 
 use super::circle::{Conic, Direction, Directions, Linear, beside, turning};
-use super::six::{Candidate, Choice, Line, Motion, SIX, angle};
+use super::six::{Candidate, Line, Motion, SIX, angle};
 use crate::tolerance::{IK_BESIDE_MIN, IK_GEOMETRY, IK_SEPARATE, IK_UNDETERMINED};
 
 /// What the geometry of the arm gives once.
@@ -151,11 +151,11 @@ impl Parallel {
         let (turn1, turn5) = (first.turn(q1), fifth.turn(q5));
         let asked = turn5.tr_mul(&self.h);
         let given = target.rotation.tr_mul(&(turn1 * self.h));
-        let q6 = Choice::of(turning(&sixth.axis, &given, &asked, 1.0), reference[5]);
+        let q6 = turning(&sixth.axis, &given, &asked, 1.0, reference[5]);
         // what joints 2 to 4 have to do: e₁⁻¹·E·e₆⁻¹·e₅⁻¹, of the direction beside h and of axis 4's point
         let hand = turn5 * sixth.turn(q6.direction);
         let turned = turn1.tr_mul(&(target.rotation * hand.tr_mul(&self.beside)));
-        let total = Choice::of(turning(&self.h, &self.beside, &turned, 1.0), 0.0);
+        let total = turning(&self.h, &self.beside, &turned, 1.0, 0.0);
         let on_sixth = sixth
             .turn(q6.direction)
             .tr_mul(&(turn5.tr_mul(&(fourth.point - fifth.point)) + fifth.point - sixth.point))
@@ -170,10 +170,7 @@ impl Parallel {
         ));
         for &q3 in excess.zeros().as_slice() {
             let reached = self.upper + third.turn(q3) * self.lower;
-            let q2 = Choice::of(
-                turning(&self.h, &reached, &place, self.size),
-                self.sign[0] * reference[1],
-            );
+            let q2 = turning(&self.h, &reached, &place, self.size, self.sign[0] * reference[1]);
             let [upper, elbow] = [angle(q2.direction), angle(q3)];
             let wrist = angle(total.direction) - upper - elbow;
             candidates.push(Candidate {

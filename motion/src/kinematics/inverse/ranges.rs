@@ -139,6 +139,13 @@ pub(super) fn fit(ranges: &[Range], q: &mut [f64], reference: &[f64]) {
     }
 }
 
+/// Puts joints that are outside their ranges by rounding onto the end.
+pub(super) fn snap(ranges: &[Range], q: &mut [f64]) {
+    for (q, range) in q.iter_mut().zip(ranges) {
+        *q = range.snapped(*q);
+    }
+}
+
 /// Moves every joint that turns to within half a turn of the reference, whatever its range.
 pub(super) fn unwind(ranges: &[Range], q: &mut [f64], reference: &[f64]) {
     for ((q, range), &reference) in q.iter_mut().zip(ranges).zip(reference) {

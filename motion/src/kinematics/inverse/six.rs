@@ -37,7 +37,7 @@ pub(super) struct Motion {
     pub(super) translation: Vector3<f64>,
 }
 
-/// Joint positions as directions, and whether one of them was free to choose.
+/// Joint positions, and whether the pose leaves one of them free, or nearly so.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Candidate {
     pub(super) q: [f64; SIX],
@@ -159,23 +159,6 @@ impl Line {
     /// Distance of a point.
     pub(super) fn distance(&self, point: &Vector3<f64>) -> f64 {
         self.axis.cross(&(point - self.point)).norm()
-    }
-}
-
-/// A direction's angle, or the reference's direction where the pose leaves it free.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Choice {
-    pub(super) direction: Direction,
-    pub(super) is_free: bool,
-}
-
-impl Choice {
-    pub(super) fn of(direction: Option<Direction>, reference: f64) -> Self {
-        let (s, c) = libm::sincos(reference);
-        Self {
-            direction: direction.unwrap_or((c, s)),
-            is_free: direction.is_none(),
-        }
     }
 }
 

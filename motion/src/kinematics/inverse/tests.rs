@@ -2,6 +2,8 @@
 
 mod arms;
 mod closed_form;
+mod engines;
+mod hard;
 mod numerical;
 
 use nalgebra::Isometry3;

@@ -23,7 +23,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::circle::{Conic, Linear, beside, turning};
-use super::six::{Candidate, Choice, Line, Motion, SIX, angle};
+use super::six::{Candidate, Line, Motion, SIX, angle};
 use crate::tolerance::{IK_BESIDE_MIN, IK_CLAMP, IK_GEOMETRY, IK_SEPARATE};
 
 /// What the geometry of the arm gives once.
@@ -157,9 +157,9 @@ impl Wrist {
         let [first, second, third, ..] = &self.lines;
         let turned = third.turn(q3);
         let y = third.point + turned * (self.center - third.point) - second.point;
-        let q2 = Choice::of(turning(&second.axis, &y, v, self.size), reference[1]);
+        let q2 = turning(&second.axis, &y, v, self.size, reference[1]);
         let placed = second.turn(q2.direction) * y + self.d;
-        let q1 = Choice::of(turning(&first.axis, &placed, g, self.size), reference[0]);
+        let q1 = turning(&first.axis, &placed, g, self.size, reference[0]);
         let rotation = first.turn(q1.direction) * second.turn(q2.direction) * turned;
         let arm = [angle(q1.direction), angle(q2.direction), angle(q3)];
         let is_free = q1.is_free || q2.is_free;
@@ -187,9 +187,9 @@ impl Wrist {
             Linear::along_turned(&fourth.axis, &fifth.axis, &sixth.axis).minus(Linear(fourth.axis.dot(&h6), 0.0, 0.0));
         for &q5 in excess.zeros().as_slice() {
             let turned = fifth.turn(q5);
-            let q4 = Choice::of(turning(&fourth.axis, &(turned * sixth.axis), &h6, 1.0), reference[3]);
+            let q4 = turning(&fourth.axis, &(turned * sixth.axis), &h6, 1.0, reference[3]);
             let rest = (fourth.turn(q4.direction) * turned).tr_mul(&(rotation * self.beside));
-            let q6 = Choice::of(turning(&sixth.axis, &self.beside, &rest, 1.0), reference[5]);
+            let q6 = turning(&sixth.axis, &self.beside, &rest, 1.0, reference[5]);
             candidates.push(Candidate {
                 q: [q1, q2, q3, angle(q4.direction), angle(q5), angle(q6.direction)],
                 is_free: is_free || q4.is_free,
