@@ -154,8 +154,13 @@ fn time(
         end_speeds: speeds,
         intervals: TIMING_INTERVALS,
     };
-    let mut law = match timing::optimal(&task, budget)? {
-        Ok(timing) => timing.law,
+    let law = if problem.limits_jerk(&stroke) {
+        timing::jerk_limited(&task, budget)?
+    } else {
+        timing::optimal(&task, budget)?.map(|timing| timing.law)
+    };
+    let mut law = match law {
+        Ok(law) => law,
         Err(obstacle) => return Ok(Err(refusal(&stroke, &obstacle))),
     };
     if let Some(cycle) = cycle

@@ -210,3 +210,32 @@ fn a_speed_at_the_end_is_kept() {
         .fold(0.0, f64::max);
     assert!((fastest - 0.5).abs() < 1e-9, "{fastest}");
 }
+
+/// Every joint's jerk is limited: the set-points' third differences keep it, and it costs time.
+#[test]
+fn jerk_limits_hold_between_set_points() {
+    let robot = ur5e();
+    let free = planned(&robot, &request(&START, corner())).duration;
+    let (jerk, cycle) = (60.0, 0.004);
+    let joints = robot.spec().joints.iter();
+    let limits = joints.map(|joint| LimitOverride {
+        joint: joint.name.clone(),
+        jerk: Some(jerk),
+        ..LimitOverride::default()
+    });
+    let program = PathRequest {
+        limits: limits.collect(),
+        sampling: Sampling::Period(cycle),
+        ..request(&START, corner())
+    };
+    let plan = planned(&robot, &program);
+    assert!(plan.duration > 1.1 * free, "{} {free}", plan.duration);
+    for columns in plan.setpoints.unwrap().samples.joints {
+        for p in columns.position.windows(4) {
+            let third = (p[3] - 3.0 * p[2] + 3.0 * p[1] - p[0]) / (cycle * cycle * cycle);
+            // rounding of a radian, eightfold, over the cube of the cycle
+            let rounding = 8.0 * 4.0 * f64::EPSILON / (cycle * cycle * cycle);
+            assert!(third.abs() <= jerk + rounding, "{third}");
+        }
+    }
+}

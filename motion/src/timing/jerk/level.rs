@@ -7,11 +7,11 @@
 use nalgebra::Isometry3;
 
 use super::basis::Basis;
+use super::certificate::Certificate;
 use super::fold::Sample;
 use super::interior::Problem;
 use super::profile::Profile;
 use super::rest;
-use super::certificate::Certificate;
 use super::rows::{Counts, Rows, Tightening};
 use crate::budget::{Budget, Stopped};
 use crate::curve::{Curve, Side};
@@ -74,14 +74,22 @@ impl Kinds {
     fn of(limits: &Limits, joint_count: usize) -> Self {
         let any = |bounds: fn(&crate::timing::limits::JointLimits) -> Option<f64>| {
             (0..joint_count)
-                .filter(|joint| limits.stretches.iter().any(|stretch| bounds(&stretch.joints[*joint]).is_some()))
+                .filter(|joint| {
+                    limits
+                        .stretches
+                        .iter()
+                        .any(|stretch| bounds(&stretch.joints[*joint]).is_some())
+                })
                 .collect()
         };
         Self {
             jerk: any(|joint| joint.jerk),
             acceleration: any(|joint| joint.acceleration),
             torque: any(|joint| joint.torque),
-            tool: limits.stretches.iter().any(|stretch| stretch.tool_acceleration.is_some()),
+            tool: limits
+                .stretches
+                .iter()
+                .any(|stretch| stretch.tool_acceleration.is_some()),
         }
     }
 
@@ -99,20 +107,27 @@ impl Kinds {
         let stretch = &limits.stretches[at.stretch[place]];
         let entry = |joint: usize| joint * at.stride + place;
         for (row, joint) in self.jerk.iter().enumerate() {
-            let Some(limit) = stretch.joints[*joint].jerk else { continue };
-            let [q1, q2, q3] = [&at.terms.first, &at.terms.second, &at.third].map(|column| column[entry(*joint)] / limit);
+            let Some(limit) = stretch.joints[*joint].jerk else {
+                continue;
+            };
+            let [q1, q2, q3] =
+                [&at.terms.first, &at.terms.second, &at.third].map(|column| column[entry(*joint)] / limit);
             rows.jerk.set(slot, row, [q1, 3.0 * q2, q3]);
         }
         if !full {
             return;
         }
         for (row, joint) in self.acceleration.iter().enumerate() {
-            let Some(limit) = stretch.joints[*joint].acceleration else { continue };
+            let Some(limit) = stretch.joints[*joint].acceleration else {
+                continue;
+            };
             let values = [&at.terms.first, &at.terms.second].map(|column| column[entry(*joint)] / limit);
             rows.acceleration.set(slot, row, values);
         }
         for (row, joint) in self.torque.iter().enumerate() {
-            let Some(limit) = stretch.joints[*joint].torque else { continue };
+            let Some(limit) = stretch.joints[*joint].torque else {
+                continue;
+            };
             let k = entry(*joint);
             let [m, v, f] = [&at.terms.mass, &at.terms.velocity, &at.viscous].map(|column| column[k] / limit);
             let gravity = at.terms.gravity[k];
@@ -196,7 +211,11 @@ impl Level {
             let mut most = f64::INFINITY;
             for k in 0..END_SAMPLES {
                 kinds.fill(task.limits, &at, first + k, &mut ends, k, true);
-                let x = if direction > 0.0 { part(k + 1) } else { part(END_SAMPLES - k) };
+                let x = if direction > 0.0 {
+                    part(k + 1)
+                } else {
+                    part(END_SAMPLES - k)
+                };
                 let [sd, sdd, sddd] = rest::rates(h, direction, 1.0, x);
                 most = ends.uniform_speed(k, [sd * sd, sdd, sddd / sd], 1.0, most);
             }
@@ -233,7 +252,10 @@ impl Level {
     pub(crate) fn run_at(&self, x: &mut [f64], target: f64, most: f64) {
         let mut speed = most;
         for sample in &self.problem.samples {
-            speed = self.problem.rows.uniform_speed(sample.slot, sample.form.apply(x), target, speed);
+            speed = self
+                .problem
+                .rows
+                .uniform_speed(sample.slot, sample.form.apply(x), target, speed);
         }
         for x in x {
             *x *= speed * speed;
@@ -258,7 +280,11 @@ impl Level {
         let samples = &self.problem.samples;
         Profile {
             nodes: self.basis.nodes(),
-            inner: self.node_samples.iter().map(|sample| samples[*sample].form.apply(x)).collect(),
+            inner: self
+                .node_samples
+                .iter()
+                .map(|sample| samples[*sample].form.apply(x))
+                .collect(),
         }
     }
 }

@@ -233,7 +233,13 @@ impl<S: Simd> Place<S> {
         let [q1, q2] = load(self.simd, row, self.at);
         let value = q1 * self.b + q2 * self.a;
         let (one, zero) = (Lanes::constant(self.simd, 1.0), Lanes::constant(self.simd, 0.0));
-        ([one - value, one + value], Slope { v: [q2, q1, zero], u: zero })
+        (
+            [one - value, one + value],
+            Slope {
+                v: [q2, q1, zero],
+                u: zero,
+            },
+        )
     }
 
     /// The last value is f_v/(4·a^(3/2)), the curvature of the upper slack.
@@ -308,7 +314,10 @@ struct Sums<S: Simd> {
 
 /// Moves a row's multiplier, and returns it with l/z.
 #[inline(always)]
-#[allow(clippy::too_many_arguments, reason = "one row of four columns; a struct of them would be built a row at a time")]
+#[allow(
+    clippy::too_many_arguments,
+    reason = "one row of four columns; a struct of them would be built a row at a time"
+)]
 fn advance<S: Simd, const C: usize>(
     simd: S,
     slack: [Lanes<S>; C],
@@ -559,7 +568,10 @@ impl WithSimd for Correct<'_> {
 }
 
 #[inline(always)]
-#[allow(clippy::too_many_arguments, reason = "one row of three columns; a struct of them would be built a row at a time")]
+#[allow(
+    clippy::too_many_arguments,
+    reason = "one row of three columns; a struct of them would be built a row at a time"
+)]
 fn correct_row<S: Simd, const C: usize>(
     simd: S,
     [affine_dz, dz]: [[Lanes<S>; C]; 2],
@@ -587,13 +599,24 @@ fn correct_row<S: Simd, const C: usize>(
 fn correct<S: Simd>(simd: S, pass: &mut Correct<'_>, block: usize, at: usize, worst: &mut [Lanes<S>; 2]) {
     let rows = pass.rows;
     let place = Place::new(simd, &pass.points[block], &pass.scale[block], at);
-    let d = [load(simd, &pass.affine[block], at), load(simd, &pass.directions[block], at)];
+    let d = [
+        load(simd, &pass.affine[block], at),
+        load(simd, &pass.directions[block], at),
+    ];
     let mix = [pass.center, pass.damping];
     let (l, inverse, step) = (pass.multipliers, pass.inverse, &mut *pass.step);
     for row in range(&rows.jerk, block) {
         let (_, slope) = place.jerk(&rows.jerk.rows[row]);
         let dz = [slope.along(d[0]), slope.along(d[1])];
-        correct_row(simd, dz, [&l.jerk[row], &inverse.jerk[row]], mix, &mut step.jerk[row], at, worst);
+        correct_row(
+            simd,
+            dz,
+            [&l.jerk[row], &inverse.jerk[row]],
+            mix,
+            &mut step.jerk[row],
+            at,
+            worst,
+        );
     }
     if block >= rows.full {
         return;
@@ -613,11 +636,27 @@ fn correct<S: Simd>(simd: S, pass: &mut Correct<'_>, block: usize, at: usize, wo
     for row in range(&rows.tool, block) {
         let (_, [va, vb]) = place.tool(&rows.tool.rows[row]);
         let dz = [[va * d[0][0] + vb * d[0][1]], [va * d[1][0] + vb * d[1][1]]];
-        correct_row(simd, dz, [&l.tool[row], &inverse.tool[row]], mix, &mut step.tool[row], at, worst);
+        correct_row(
+            simd,
+            dz,
+            [&l.tool[row], &inverse.tool[row]],
+            mix,
+            &mut step.tool[row],
+            at,
+            worst,
+        );
     }
     for row in range(&rows.speed, block) {
         let (_, [va, _]) = place.speed(&rows.speed.rows[row]);
         let dz = [[va * d[0][0]], [va * d[1][0]]];
-        correct_row(simd, dz, [&l.speed[row], &inverse.speed[row]], mix, &mut step.speed[row], at, worst);
+        correct_row(
+            simd,
+            dz,
+            [&l.speed[row], &inverse.speed[row]],
+            mix,
+            &mut step.speed[row],
+            at,
+            worst,
+        );
     }
 }
