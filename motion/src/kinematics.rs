@@ -1,5 +1,7 @@
 //! Where the tool is, and how it moves with the joints.
 
+pub mod inverse;
+
 use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
 
 use crate::robot::Robot;

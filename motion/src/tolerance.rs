@@ -79,3 +79,68 @@ pub const TRAJECTORY_POINTS_MAX: usize = 100_000;
 
 /// Shortest time between two points of a foreign trajectory, s: below any controller's cycle by a factor of a thousand.
 pub(crate) const POINT_SPACING_MIN: f64 = 1.0e-7;
+
+/// Largest distance of the tool from a pose that counts as reached, m: a thousandth of what the best arm repeats.
+pub(crate) const IK_POSITION: f64 = 1.0e-9;
+
+/// The same for its orientation, rad: at a metre from the wrist it moves the tool by as much.
+pub(crate) const IK_ORIENTATION: f64 = 1.0e-9;
+
+/// Gap of inverse kinematics, over the arm's size and in rad, that is rounding: a few units in the last place.
+pub(crate) const IK_ROUNDING: f64 = 1.0e-15;
+
+/// Shortest size of an arm, m, where positions are measured against it: a chain without any extent is all wrist.
+pub(crate) const IK_SIZE_MIN: f64 = 1.0e-3;
+
+/// Most steps of one Newton run. From near a solution four do; from anywhere the median is ten.
+pub(crate) const IK_ITERATIONS: usize = 80;
+
+/// Damping that is always there, against a squared singular value of order 1: it only keeps pivots above 0.
+pub(crate) const IK_DAMPING_FLOOR: f64 = 1.0e-18;
+
+/// Damping over the squared gap at which a run ends: steps are then below rounding, and did not help.
+pub(crate) const IK_DAMPING_MAX: f64 = 1.0e12;
+
+/// Part of the squared gap by which an accepted step must lower it: less is a minimum that is not a solution.
+pub(crate) const IK_STALLED: f64 = 1.0e-7;
+
+/// Longest step of one joint, rad or m: beyond about a radian the Jacobian says nothing.
+pub(crate) const IK_STEP_MAX: f64 = 1.0;
+
+/// Rounds of moving a solution along what its pose leaves free. From near the reference two or three do.
+pub(crate) const IK_ATTRACTION_ROUNDS: usize = 40;
+
+/// Step along what a pose leaves free, rad or m, below which the solution is the nearest to the reference: its distance
+/// is then the least to 1e-16.
+pub(crate) const IK_FREE_STEP: f64 = 1.0e-8;
+
+/// Squared singular value over the sum of all, below which a direction counts as free: a millionth of the arm's speed.
+pub(crate) const IK_RANK: f64 = 1.0e-12;
+
+/// Part of a joint's own motion that must be free of the tool for it to be held at the end of its range.
+pub(crate) const IK_FREE_PART: f64 = 1.0e-3;
+
+/// How far outside its range a joint may be by rounding, rad or m; it is put onto the end.
+pub(crate) const IK_RANGE_SLACK: f64 = 1.0e-11;
+
+/// Largest joint difference of two solutions that are one, rad or m: at a double solution, where a pose that is true to
+/// 1e-9 leaves the square root of that open.
+pub(crate) const IK_DISTINCT: f64 = 1.0e-4;
+
+/// Most starts of the search for all solutions of a chain.
+pub(crate) const IK_STARTS: usize = 256;
+
+/// Starts in a row without a new solution that end the search.
+pub(crate) const IK_PATIENCE: usize = 40;
+
+/// Steps times joints that end the search: some milliseconds.
+pub(crate) const IK_WORK: usize = 60_000;
+
+/// Most copies by whole turns of all solutions together.
+pub(crate) const IK_COPIES_MAX: usize = 1024;
+
+/// Most sweeps of Jacobi's rotations over a 6 × 6 matrix; four or five do.
+pub(crate) const IK_JACOBI_SWEEPS: usize = 12;
+
+/// What is left beside the diagonal, over its sum, when eigenvalues count as found: their error is its square.
+pub(crate) const IK_EIGEN_ROUNDING: f64 = 1.0e-9;

@@ -1,0 +1,227 @@
+//! Inverse kinematics: the joint positions that bring the tool to a pose.
+//!
+//! ```text
+//! find every q with  pose(q) = P        P: the tool centre point's pose in base-link axes
+//! ```
+//!
+//! Every answer is checked by forward kinematics: its tool is within 1e-9 m and 1e-9 rad of the pose.
+//!
+//! Where the pose leaves joints free, whether by a seventh joint or at a singularity, the reference decides: of each
+//! connected family the answer is the member nearest to it, within the joint ranges where there is one. Distances
+//! between joint positions are √Σ(qⱼ − rⱼ)², rad and m alike.
+
+mod gap;
+mod newton;
+mod ranges;
+mod screws;
+mod search;
+mod singular;
+mod square;
+#[cfg(test)]
+mod tests;
+mod unreachable;
+
+use nalgebra::Isometry3;
+
+use crate::robot::Robot;
+use newton::squared_distance;
+use ranges::Range;
+use screws::{Place, Screws};
+pub use unreachable::Unreachable;
+
+/// The answers for one pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solutions {
+    /// Never empty. Those within every joint range come first, then the others; both by distance from the reference.
+    pub solutions: Vec<Solution>,
+    /// How they were found.
+    pub method: Method,
+}
+
+/// How solutions are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// In closed form: away from singularities, these are all there are.
+    ClosedForm,
+    /// By iterating from many starts: there may be more.
+    Numerical,
+}
+
+/// Joint positions that give the pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solution {
+    /// rad or m, in model order.
+    pub position: Vec<f64>,
+    /// Distance of the tool from the pose, m.
+    pub position_error: f64,
+    /// Angle between the tool and the pose, rad.
+    pub orientation_error: f64,
+    /// Whether every joint is within its range.
+    pub in_range: bool,
+    /// Smallest singular value of the tool's Jacobian, its linear rows divided by the arm's length: 0 at a singularity.
+    pub smallest_singular_value: f64,
+}
+
+/// Which of the positions that differ by whole turns are listed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Turns {
+    /// The one within the joint's range that is nearest to the reference.
+    Nearest,
+    /// Every one within the joint's range, where that has two ends; at most 1024 in all.
+    Every,
+}
+
+/// Every solution for a pose of the tool centre point in base-link axes; `tcp` is its pose in the tip link's frame.
+/// Without a reference, one value a joint, distances are from the middle of the joints' ranges.
+///
+/// # Errors
+/// Where no joint positions give the pose, whatever the ranges.
+pub fn solutions(
+    robot: &Robot,
+    pose: &Isometry3<f64>,
+    tcp: &Isometry3<f64>,
+    reference: Option<&[f64]>,
+    turns: Turns,
+) -> Result<Solutions, Unreachable> {
+    Inverse::new(robot, tcp).solutions(pose, reference, turns)
+}
+
+/// The solution within every joint range that is nearest to the reference. See [`Inverse::nearest`].
+///
+/// # Errors
+/// Where there is none.
+pub fn nearest(
+    robot: &Robot,
+    pose: &Isometry3<f64>,
+    tcp: &Isometry3<f64>,
+    reference: &[f64],
+) -> Result<Vec<f64>, Unreachable> {
+    Inverse::new(robot, tcp).nearest(pose, reference)
+}
+
+/// The inverse kinematics of one robot with one tool, made ready once for many poses.
+#[derive(Debug, Clone)]
+pub struct Inverse {
+    screws: Screws,
+    ranges: Vec<Range>,
+}
+
+impl Inverse {
+    /// Looks at the chain of a robot; `tcp` is the tool centre point's pose in the tip link's frame.
+    #[must_use]
+    pub fn new(robot: &Robot, tcp: &Isometry3<f64>) -> Self {
+        Self {
+            screws: Screws::new(robot, tcp),
+            ranges: ranges::of_robot(robot),
+        }
+    }
+
+    /// As [`solutions`].
+    ///
+    /// # Errors
+    /// Where no joint positions give the pose, whatever the ranges.
+    pub fn solutions(
+        &self,
+        pose: &Isometry3<f64>,
+        reference: Option<&[f64]>,
+        turns: Turns,
+    ) -> Result<Solutions, Unreachable> {
+        let target = Place::from(pose);
+        let reference = self.reference(reference);
+        let found = search::everywhere(&self.screws, target, &self.ranges, &reference);
+        if found.solutions.is_empty() {
+            return Err(out_of_reach(found.closest));
+        }
+        let positions = self.listed(found.solutions, &reference, turns);
+        Ok(Solutions {
+            solutions: positions.into_iter().map(|q| self.solution(q, &target)).collect(),
+            method: Method::Numerical,
+        })
+    }
+
+    /// The solution within every joint range that is nearest to the reference, one value a joint.
+    ///
+    /// # Errors
+    /// Where there is none.
+    pub fn nearest(&self, pose: &Isometry3<f64>, reference: &[f64]) -> Result<Vec<f64>, Unreachable> {
+        let target = Place::from(pose);
+        let reference = self.reference(Some(reference));
+        let (q, gap) = search::from_reference(&self.screws, target, &self.ranges, &reference);
+        if gap.is_closed() && self.is_in_range(&q) {
+            return Ok(q);
+        }
+        let found = search::everywhere(&self.screws, target, &self.ranges, &reference);
+        if found.solutions.is_empty() {
+            return Err(out_of_reach(found.closest));
+        }
+        let mut positions = self.listed(found.solutions, &reference, Turns::Nearest);
+        if self.is_in_range(&positions[0]) {
+            return Ok(positions.swap_remove(0));
+        }
+        Err(self.outside(positions))
+    }
+
+    /// One value a joint: the reference, or the middle of the range where it has none.
+    fn reference(&self, reference: Option<&[f64]>) -> Vec<f64> {
+        let given = reference.unwrap_or(&[]);
+        let joints = self.ranges.iter().enumerate();
+        joints
+            .map(|(j, range)| given.get(j).copied().unwrap_or_else(|| range.middle()))
+            .collect()
+    }
+
+    fn is_in_range(&self, q: &[f64]) -> bool {
+        ranges::worst(&self.ranges, q).is_none()
+    }
+
+    /// Copies by whole turns added, in the order of the answer.
+    fn listed(&self, solutions: Vec<Vec<f64>>, reference: &[f64], turns: Turns) -> Vec<Vec<f64>> {
+        let mut positions = match turns {
+            Turns::Nearest => solutions,
+            Turns::Every => ranges::with_copies(&self.ranges, &solutions),
+        };
+        let key = |q: &[f64]| (ranges::worst(&self.ranges, q).is_some(), squared_distance(q, reference));
+        positions.sort_by(|a, b| {
+            let ((a_outside, a), (b_outside, b)) = (key(a), key(b));
+            a_outside.cmp(&b_outside).then(a.total_cmp(&b))
+        });
+        positions
+    }
+
+    fn solution(&self, position: Vec<f64>, target: &Place) -> Solution {
+        let (gap, smallest_singular_value) = singular::look(&self.screws, &position, target);
+        Solution {
+            position_error: gap.linear.norm(),
+            orientation_error: gap.angular.norm(),
+            in_range: self.is_in_range(&position),
+            smallest_singular_value,
+            position,
+        }
+    }
+
+    /// The evidence that every solution is outside the ranges.
+    fn outside(&self, positions: Vec<Vec<f64>>) -> Unreachable {
+        let excess = |q: &[f64]| {
+            let joints = self.ranges.iter().zip(q);
+            joints.fold(0.0, |most: f64, (range, &q)| most.max(range.excess(q)))
+        };
+        let least = positions.into_iter().min_by(|a, b| excess(a).total_cmp(&excess(b)));
+        let positions = least.unwrap_or_default();
+        let joint = ranges::worst(&self.ranges, &positions).unwrap_or(0);
+        let (range, needed) = (self.ranges[joint], positions[joint]);
+        Unreachable::JointRange {
+            joint,
+            needed,
+            available: if needed > range.upper { range.upper } else { range.lower },
+            positions,
+        }
+    }
+}
+
+fn out_of_reach((closest, gap): (Vec<f64>, gap::Gap)) -> Unreachable {
+    Unreachable::OutOfReach {
+        closest,
+        position_gap: gap.linear.norm(),
+        orientation_gap: gap.angular.norm(),
+    }
+}

@@ -1,0 +1,123 @@
+//! Solutions of any chain: Newton runs from many starts, the reference first.
+//!
+//! The starts are spread over the joint ranges by the additive recurrence xⱼ(k) = frac(k·√pⱼ), pⱼ the j-th prime (R. D.
+//! Richtmyer, "The evaluation of definite integrals, and a quasi-Monte-Carlo method based on the properties of algebraic
+//! numbers", 1951): no two runs differ, and no region is left out for long. The search ends when many starts in a row
+//! brought nothing new, and at a cap of work in any case.
+
+use super::gap::Gap;
+use super::newton::Newton;
+use super::ranges::{self, Range};
+use super::screws::{Place, Screws};
+use crate::robot::JOINTS_MAX;
+use crate::tolerance::{IK_DISTINCT, IK_PATIENCE, IK_STARTS, IK_WORK};
+
+/// The first 32 primes, one a joint.
+const PRIMES: [f64; JOINTS_MAX] = [
+    2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0, 41.0, 43.0, 47.0, 53.0, 59.0, 61.0, 67.0, 71.0,
+    73.0, 79.0, 83.0, 89.0, 97.0, 101.0, 103.0, 107.0, 109.0, 113.0, 127.0, 131.0,
+];
+
+/// What a search found.
+#[derive(Debug)]
+pub(super) struct Found {
+    /// Distinct solutions, in the order found, each moved into its range where that is possible.
+    pub(super) solutions: Vec<Vec<f64>>,
+    /// Where the tool came closest, and what was missing there.
+    pub(super) closest: (Vec<f64>, Gap),
+}
+
+/// The solution that one run from the reference leads to, settled.
+pub(super) fn from_reference(screws: &Screws, target: Place, ranges: &[Range], reference: &[f64]) -> (Vec<f64>, Gap) {
+    let mut newton = Newton::new(screws, target);
+    let mut q = reference.to_vec();
+    let run = newton.run(&mut q);
+    if !run.gap.is_closed() {
+        return (q, run.gap);
+    }
+    settle(&mut newton, ranges, &mut q, reference);
+    let gap = newton.gap(&q);
+    (q, gap)
+}
+
+/// Every solution that the starts lead to.
+pub(super) fn everywhere(screws: &Screws, target: Place, ranges: &[Range], reference: &[f64]) -> Found {
+    let mut newton = Newton::new(screws, target);
+    let mut solutions: Vec<Vec<f64>> = Vec::new();
+    let mut closest: Option<(Vec<f64>, Gap)> = None;
+    let (mut work, mut fruitless) = (0, 0);
+    for start in 0..IK_STARTS {
+        if fruitless > IK_PATIENCE || work * screws.count() > IK_WORK {
+            break;
+        }
+        let mut q = place(start, screws, ranges, reference);
+        let run = newton.run(&mut q);
+        work += run.work;
+        fruitless += 1;
+        if !run.gap.is_closed() {
+            let before = closest.as_ref().map(|(_, gap)| gap.squared(screws.size));
+            if before.is_none_or(|before| run.gap.squared(screws.size) < before) {
+                ranges::unwind(ranges, &mut q, reference);
+                closest = Some((q, run.gap));
+            }
+            continue;
+        }
+        work += settle(&mut newton, ranges, &mut q, reference);
+        let is_known = solutions
+            .iter()
+            .any(|known| ranges::difference(ranges, known, &q) < IK_DISTINCT);
+        if !is_known {
+            fruitless = 0;
+            solutions.push(q);
+        }
+    }
+    let closest = closest.unwrap_or_else(|| (reference.to_vec(), newton.gap(reference)));
+    Found { solutions, closest }
+}
+
+/// The k-th start; the reference is the first.
+fn place(k: usize, screws: &Screws, ranges: &[Range], reference: &[f64]) -> Vec<f64> {
+    if k == 0 {
+        return reference.to_vec();
+    }
+    let fraction = |j: usize| {
+        let x = k as f64 * libm::sqrt(PRIMES[j % JOINTS_MAX]);
+        x - x.floor()
+    };
+    ranges
+        .iter()
+        .enumerate()
+        .map(|(j, range)| range.at(fraction(j), screws.size))
+        .collect()
+}
+
+/// Moves a solution nearest to the reference, as far as the pose leaves it free, and into the ranges. A joint that would
+/// leave its range, and need not, is held at the end of it while the others make up for that. Returns the work done.
+fn settle(newton: &mut Newton<'_>, ranges: &[Range], q: &mut Vec<f64>, reference: &[f64]) -> usize {
+    ranges::unwind(ranges, q, reference);
+    let mut work = newton.attract(q, reference).work;
+    ranges::fit(ranges, q, reference);
+    let mut held = q.clone();
+    for _ in 0..q.len() {
+        let Some(joint) = ranges::worst(ranges, &held) else {
+            q.clone_from(&held);
+            break;
+        };
+        if !newton.is_free(&held, joint) {
+            break;
+        }
+        newton.held[joint] = true;
+        held[joint] = held[joint].max(ranges[joint].lower).min(ranges[joint].upper);
+        let run = newton.run(&mut held);
+        work += run.work;
+        if !run.gap.is_closed() {
+            break;
+        }
+        ranges::unwind(ranges, &mut held, reference);
+        // the held joint may be turns away from the reference
+        ranges::fit(ranges, &mut held, reference);
+        work += newton.attract(&mut held, reference).work;
+    }
+    newton.held = [false; JOINTS_MAX];
+    work
+}
