@@ -34,6 +34,7 @@ pub(crate) struct Pool {
     /// A runtime for the sake of its blocking threads: they take work in order and sleep while there is none, where
     /// threads that steal work look around first, which cost a short plan a twentieth of its time.
     threads: Option<Runtime>,
+    thread_count: usize,
     places: Arc<Semaphore>,
     capacity: usize,
 }
@@ -56,9 +57,15 @@ impl Pool {
             .build()?;
         Ok(Self {
             threads: Some(threads),
+            thread_count: config.threads(),
             places: Arc::new(Semaphore::new(capacity)),
             capacity,
         })
+    }
+
+    /// How many calculations run at once.
+    pub(crate) fn thread_count(&self) -> usize {
+        self.thread_count
     }
 
     /// Runs a calculation. Dropping the returned future gives it up.

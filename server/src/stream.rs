@@ -64,7 +64,10 @@ async fn feed<T>(
             Ok(Ok(())) => {}
             Ok(Err(_)) => return Ok(()),
             Err(_) => {
-                let message = format!("the caller took nothing for the {} s of `limits.stream_idle_s`", idle.as_secs_f64());
+                let message = format!(
+                    "the caller took nothing for the {} s of `limits.stream_idle_s`",
+                    idle.as_secs_f64()
+                );
                 return Err(ServiceError::new(ErrorCode::DeadlineExceeded, message));
             }
         }
@@ -158,6 +161,9 @@ mod tests {
         assert!(matches!(&found[..], [Ok(1), Err(_)]), "{found:?}");
         let pieces = stream::iter([1]).map(|_| panic!("broken"));
         let found: Vec<Result<(), _>> = Feed::of(pieces, LONG, ()).collect().await;
-        assert!(matches!(&found[..], [Err(error)] if error.wire().code == ErrorCode::Internal), "{found:?}");
+        assert!(
+            matches!(&found[..], [Err(error)] if error.wire().code == ErrorCode::Internal),
+            "{found:?}"
+        );
     }
 }
