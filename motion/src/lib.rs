@@ -39,6 +39,8 @@ pub mod robot;
 mod scalar;
 #[cfg(test)]
 mod test_arms;
+#[allow(dead_code, reason = "the path planner under construction")]
+mod timing;
 mod tolerance;
 mod trajectory;
 mod verify;

@@ -80,6 +80,27 @@ pub const TRAJECTORY_POINTS_MAX: usize = 100_000;
 /// Shortest time between two points of a foreign trajectory, s: below any controller's cycle by a factor of a thousand.
 pub(crate) const POINT_SPACING_MIN: f64 = 1.0e-7;
 
+/// Nodes of a timing grid closer than this part of the path are one: rounding of knots that were computed twice.
+pub(crate) const GRID_NODES_APART: f64 = 1.0e-12;
+
+/// Largest squared path velocity that is planned where nothing bounds it, 1/s².
+pub(crate) const PATH_SPEED_SQUARED_MAX: f64 = 1.0e12;
+
+/// Largest ratio of squared path velocities within a panel of the integral for time: with it Gauss and Legendre's six
+/// points leave a relative error below 1e-11. Pinned by `durations_are_those_of_closed_forms`.
+pub(crate) const LAW_PANEL_RATIO: f64 = 2.0;
+
+/// Most panels of one piece: what varies more than 2⁶⁴-fold within a piece is not resolved.
+pub(crate) const LAW_PANELS_MAX: usize = 64;
+
+/// Rounds of Newton's method from a time to a place; two or three do, bisection alone would take fifty.
+pub(crate) const LAW_INVERSE_ROUNDS: usize = 60;
+
+/// A place is found when its time is met to this part of its piece's duration: rounding.
+pub(crate) const LAW_INVERSE_TIME: f64 = 1.0e-15;
+
+/// A duration that exceeds a whole number of cycles by less than this part has that number.
+pub(crate) const LAW_CYCLE_ROUNDING: f64 = 1.0e-12;
 /// Largest distance of the tool from a pose that counts as reached, m: a thousandth of what the best arm repeats.
 pub(crate) const IK_POSITION: f64 = 1.0e-9;
 
@@ -144,3 +165,16 @@ pub(crate) const IK_JACOBI_SWEEPS: usize = 12;
 
 /// What is left beside the diagonal, over its sum, when eigenvalues count as found: their error is its square.
 pub(crate) const IK_EIGEN_ROUNDING: f64 = 1.0e-9;
+
+/// Rounds of slowing a timed path down and verifying it again, and of the bisection for how much. The timing is certified
+/// already: one round at most is expected.
+pub(crate) const PATH_SLOW_ROUNDS: usize = 40;
+
+/// Part by which a path is slowed down more than the broken limit asks for, against the same excess a second time.
+pub(crate) const PATH_SLOW_RESERVE: f64 = 1.0e-7;
+
+/// Change of path speed over the whole duration, relative to the speed, below which it counts as constant.
+pub(crate) const PATH_CRUISE: f64 = 1.0e-6;
+
+/// Rounds of bisection for a place on a path: to the last bit.
+pub(crate) const PATH_LOCATE_ROUNDS: usize = 60;

@@ -21,16 +21,16 @@ pub(super) struct Problem {
 
 /// The limits in force for one joint.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct JointLimit {
+pub(crate) struct JointLimit {
     /// `None`: unknown, not checked.
-    pub(super) torque: Option<f64>,
+    pub(crate) torque: Option<f64>,
     /// Largest speed of this move; infinite only where the joint stands still.
-    pub(super) velocity: f64,
-    pub(super) acceleration: Option<f64>,
-    pub(super) deceleration: Option<f64>,
-    pub(super) jerk: Option<f64>,
-    pub(super) position_lower: Option<f64>,
-    pub(super) position_upper: Option<f64>,
+    pub(crate) velocity: f64,
+    pub(crate) acceleration: Option<f64>,
+    pub(crate) deceleration: Option<f64>,
+    pub(crate) jerk: Option<f64>,
+    pub(crate) position_lower: Option<f64>,
+    pub(crate) position_upper: Option<f64>,
 }
 
 impl Problem {
@@ -207,7 +207,7 @@ impl Problem {
 }
 
 /// What of a robot's limits is in force once a request has tightened them.
-pub(super) fn limits_in_force(
+pub(crate) fn limits_in_force(
     robot: &Robot,
     overrides: &[LimitOverride],
     torque_utilization: f64,
@@ -346,7 +346,7 @@ fn outside(position: f64, lower: Option<f64>, upper: Option<f64>) -> Option<Stri
     None
 }
 
-fn check_positions(robot: &Robot, path: &str, positions: &[f64], wrong: &mut Vec<Invalid>) {
+pub(crate) fn check_positions(robot: &Robot, path: &str, positions: &[f64], wrong: &mut Vec<Invalid>) {
     check_length(path, positions.len(), robot.joint_count(), wrong);
     for (joint, position) in positions.iter().enumerate() {
         if !(position.is_finite() && position.abs() <= POSITION_MAX) {
@@ -356,7 +356,7 @@ fn check_positions(robot: &Robot, path: &str, positions: &[f64], wrong: &mut Vec
     }
 }
 
-pub(super) fn check_length(path: &str, length: usize, joint_count: usize, wrong: &mut Vec<Invalid>) {
+pub(crate) fn check_length(path: &str, length: usize, joint_count: usize, wrong: &mut Vec<Invalid>) {
     if length != joint_count {
         let message = format!("{length} values, the robot has {joint_count} joints");
         wrong.push(Invalid::new(path, message));
@@ -364,19 +364,19 @@ pub(super) fn check_length(path: &str, length: usize, joint_count: usize, wrong:
 }
 
 /// A part of a limit lies in (0, 1].
-pub(super) fn check_part(path: &str, part: f64, wrong: &mut Vec<Invalid>) {
+pub(crate) fn check_part(path: &str, part: f64, wrong: &mut Vec<Invalid>) {
     if !(part > 0.0 && part <= 1.0) {
         wrong.push(Invalid::new(path, format!("{part} must be above 0 and at most 1")));
     }
 }
 
-pub(super) fn check_positive(path: &str, value: f64, wrong: &mut Vec<Invalid>) {
+pub(crate) fn check_positive(path: &str, value: f64, wrong: &mut Vec<Invalid>) {
     if !(value.is_finite() && value > 0.0) {
         wrong.push(Invalid::new(path, format!("{value} must be positive and finite")));
     }
 }
 
-fn check_sampling(sampling: Sampling, wrong: &mut Vec<Invalid>) {
+pub(crate) fn check_sampling(sampling: Sampling, wrong: &mut Vec<Invalid>) {
     match sampling {
         Sampling::None => {}
         Sampling::Period(period) => check_positive("sample_period_s", period, wrong),

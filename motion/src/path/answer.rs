@@ -1,0 +1,291 @@
+//! The parts of an answer: what the verification found, at its place in the program and in time.
+
+use super::outcome::{
+    BlendReport, LimitCost, LimitingStretch, Location, PathLimit, PathLimitUse, PathPlan, SegmentReport,
+};
+use super::plan::TimedStroke;
+use super::problem::Problem;
+use super::request::PathRequest;
+use super::sample;
+use super::stroke::Stroke;
+use crate::budget::Budget;
+use crate::curve::{Curve, CurvePoint, Side};
+use crate::dynamics::{self, Workspace};
+use crate::plan::Failure;
+use crate::plan::margin;
+use crate::plan::outcome::{OverrideSafety, Phase, TorqueMargin};
+use crate::tolerance::{PATH_CRUISE, PATH_LOCATE_ROUNDS};
+use crate::verify::{JointDemand, Verification};
+
+/// Everything that an answer is made of.
+pub(super) struct Parts<'a> {
+    pub(super) problem: &'a Problem,
+    pub(super) request: &'a PathRequest,
+    pub(super) strokes: &'a [TimedStroke],
+    pub(super) initial_dwell: f64,
+    pub(super) duration: f64,
+    pub(super) blends: Vec<BlendReport>,
+    pub(super) tool_lengths: Vec<f64>,
+    pub(super) warnings: Vec<String>,
+    pub(super) continuity: u32,
+}
+
+impl Parts<'_> {
+    pub(super) fn assemble(mut self, budget: &Budget<'_>) -> Result<PathPlan, Failure> {
+        let setpoints = sample::setpoints(
+            self.problem,
+            self.strokes,
+            &self.request.start,
+            self.duration,
+            self.request.sampling,
+            budget,
+        )?;
+        let limiting = self.limiting();
+        Ok(PathPlan {
+            duration: self.duration,
+            continuity: self.continuity,
+            segments: self.segments(),
+            blends: self.timed_blends(),
+            torque_margins: self.torque_margins(),
+            limit_uses: self.limit_uses(),
+            limit_costs: costs(&limiting),
+            limiting,
+            constant_speed: None,
+            override_safe: self.override_safe(),
+            setpoints,
+            warnings: self.warnings,
+            torque_utilization: self.request.torque_utilization,
+            speed_scale: self.request.speed_scale,
+            payload: *self.problem.robot.payload(),
+        })
+    }
+
+    /// When each segment is run through. One that goes nowhere has the time at which the one before it ends.
+    fn segments(&self) -> Vec<SegmentReport> {
+        let mut reports: Vec<Option<SegmentReport>> = vec![None; self.request.segments.len()];
+        for timed in self.strokes {
+            for span in timed.stroke.spans() {
+                reports[span.segment] = Some(SegmentReport {
+                    begin: timed.begin + timed.law.time_at(span.begin),
+                    end: timed.begin + timed.law.time_at(span.end),
+                    tool_length: self.tool_lengths[span.segment],
+                });
+            }
+        }
+        let mut end = self.initial_dwell;
+        let known = reports.into_iter().map(|report| {
+            let report = report.unwrap_or(SegmentReport {
+                begin: end,
+                end,
+                tool_length: 0.0,
+            });
+            end = report.end;
+            report
+        });
+        known.collect()
+    }
+
+    fn timed_blends(&mut self) -> Vec<BlendReport> {
+        let mut blends = std::mem::take(&mut self.blends);
+        for blend in &mut blends {
+            let runs = |timed: &&TimedStroke| timed.stroke.spans().iter().any(|span| span.segment == blend.segment);
+            let Some(timed) = self.strokes.iter().find(runs) else {
+                continue;
+            };
+            let at = |location: Location| timed.begin + timed.law.time_at(place(&timed.stroke, location));
+            (blend.begin_time, blend.end_time) = (at(blend.begin), at(blend.end));
+        }
+        blends
+    }
+
+    fn torque_margins(&self) -> Vec<TorqueMargin> {
+        let robot = &self.problem.robot;
+        let count = robot.joint_count();
+        let mut demands = vec![JointDemand::default(); count];
+        let mut rests = vec![(0.0, self.request.start.clone())];
+        for timed in self.strokes {
+            for (sum, demand) in demands.iter_mut().zip(&timed.examined.demands) {
+                if demand.peak_torque.abs() > sum.peak_torque.abs() {
+                    (sum.peak_torque, sum.time) = (demand.peak_torque, demand.time);
+                }
+                sum.torque_squared += demand.torque_squared;
+                sum.peak_velocity = sum.peak_velocity.max(demand.peak_velocity);
+                sum.peak_power = sum.peak_power.max(demand.peak_power);
+            }
+            let end = end_of(&timed.stroke);
+            self.add_rest(&end, timed.dwell, &mut demands);
+            rests.push((timed.end(), end));
+        }
+        self.add_rest(&self.request.start, self.initial_dwell, &mut demands);
+        let verification = Verification {
+            joints: demands,
+            peaks: Vec::new(),
+            override_safe: None,
+            points: Vec::new(),
+        };
+        let rests: Vec<(f64, &[f64])> = rests.iter().map(|(time, rest)| (*time, rest.as_slice())).collect();
+        margin::of_demands(
+            robot,
+            &self.problem.torque_limits(),
+            &verification,
+            self.duration,
+            self.duration,
+            &rests,
+            |_, demand| self.phase(demand.time),
+        )
+    }
+
+    /// Adds the torque that holds the arm at rest for a time.
+    fn add_rest(&self, position: &[f64], time: f64, demands: &mut [JointDemand]) {
+        if time <= 0.0 {
+            return;
+        }
+        let robot = &self.problem.robot;
+        let mut torque = vec![0.0; position.len()];
+        dynamics::gravity_torque(robot, &mut Workspace::new(robot), position, &mut torque);
+        for (demand, torque) in demands.iter_mut().zip(torque) {
+            demand.torque_squared += torque * torque * time;
+        }
+    }
+
+    /// Whether the path is gaining speed at a time.
+    fn phase(&self, time: f64) -> Phase {
+        let after = self.strokes.partition_point(|timed| timed.begin <= time);
+        let Some(timed) = after.checked_sub(1).map(|index| &self.strokes[index]) else {
+            return Phase::Hold;
+        };
+        if time > timed.end() {
+            return Phase::Hold;
+        }
+        let at = timed.law.at(time - timed.begin);
+        let change = at.acceleration * timed.law.duration();
+        if change.abs() <= PATH_CRUISE * at.velocity {
+            return Phase::Cruise;
+        }
+        if change > 0.0 {
+            Phase::Acceleration
+        } else {
+            Phase::Deceleration
+        }
+    }
+
+    /// The tightest moment of every limit, tightest first.
+    fn limit_uses(&self) -> Vec<PathLimitUse> {
+        let mut uses: Vec<PathLimitUse> = Vec::new();
+        for timed in self.strokes {
+            for tightest in &timed.examined.tightest {
+                let found = PathLimitUse {
+                    kind: tightest.kind,
+                    joint: tightest.joint,
+                    value: tightest.value,
+                    limit: tightest.limit,
+                    margin: 1.0 - tightest.ratio,
+                    time: tightest.time,
+                    location: timed.stroke.location(tightest.s),
+                };
+                let known = uses
+                    .iter_mut()
+                    .find(|known| (known.kind, known.joint) == (found.kind, found.joint));
+                match known {
+                    Some(known) if known.margin <= found.margin => {}
+                    Some(known) => *known = found,
+                    None => uses.push(found),
+                }
+            }
+        }
+        uses.sort_by(|a, b| a.margin.total_cmp(&b.margin));
+        uses
+    }
+
+    /// Which limit holds the path when: in time order, without gaps.
+    fn limiting(&self) -> Vec<LimitingStretch> {
+        let mut stretches: Vec<LimitingStretch> = Vec::new();
+        let mut add = |stretch: LimitingStretch| match stretches.last_mut() {
+            Some(last) if (last.kind, last.joint) == (stretch.kind, stretch.joint) => last.end = stretch.end,
+            _ => stretches.push(stretch),
+        };
+        let rest = |begin: f64, end: f64, location: Location| LimitingStretch {
+            begin,
+            end,
+            kind: PathLimit::Rest,
+            joint: None,
+            location,
+        };
+        if self.initial_dwell > 0.0 {
+            add(rest(0.0, self.initial_dwell, Location::default()));
+        }
+        for timed in self.strokes {
+            for ruling in &timed.examined.rulings {
+                add(LimitingStretch {
+                    begin: ruling.begin,
+                    end: ruling.end,
+                    kind: ruling.kind,
+                    joint: ruling.joint,
+                    location: timed.stroke.location(ruling.s),
+                });
+            }
+            if timed.dwell > 0.0 {
+                let end = timed.end();
+                add(rest(end, end + timed.dwell, timed.stroke.location(timed.stroke.length())));
+            }
+        }
+        stretches
+    }
+
+    fn override_safe(&self) -> Option<OverrideSafety> {
+        let ratio = |safety: &OverrideSafety| safety.torque.abs() / safety.limit;
+        let strokes = self.strokes.iter();
+        strokes
+            .filter_map(|timed| timed.examined.override_safe)
+            .fold(None, |worst: Option<OverrideSafety>, safety| match worst {
+                Some(worst) if ratio(&worst) >= ratio(&safety) => Some(worst),
+                _ => Some(safety),
+            })
+    }
+}
+
+/// Time spent at each limit, longest first.
+fn costs(limiting: &[LimitingStretch]) -> Vec<LimitCost> {
+    let mut costs: Vec<LimitCost> = Vec::new();
+    for stretch in limiting {
+        let time = stretch.end - stretch.begin;
+        let known = costs
+            .iter_mut()
+            .find(|cost| (cost.kind, cost.joint) == (stretch.kind, stretch.joint));
+        match known {
+            Some(cost) => cost.time += time,
+            None => costs.push(LimitCost {
+                kind: stretch.kind,
+                joint: stretch.joint,
+                time,
+            }),
+        }
+    }
+    costs.sort_by(|a, b| b.time.total_cmp(&a.time));
+    costs
+}
+
+/// The joints at the end of a stroke.
+fn end_of(stroke: &Stroke) -> Vec<f64> {
+    let mut point = CurvePoint::new(stroke.joint_count());
+    stroke.evaluate(stroke.length(), Side::Before, &mut point);
+    point.position
+}
+
+/// The path position of a location, which grows with it, by bisection.
+fn place(stroke: &Stroke, location: Location) -> f64 {
+    let before = |s: f64| {
+        let at = stroke.location(s);
+        (at.segment, at.fraction) < (location.segment, location.fraction)
+    };
+    let (mut low, mut high) = (0.0, stroke.length());
+    for _ in 0..PATH_LOCATE_ROUNDS {
+        let middle = 0.5 * (low + high);
+        if before(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
+}
