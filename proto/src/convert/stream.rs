@@ -1,14 +1,6 @@
 //! Errors of single requests within a stream.
 
-use std::time::Duration;
-
-use takt_motion::Invalid;
-use tonic::Code;
-
-use crate::{
-    error::{Error, ErrorCode},
-    v1,
-};
+use crate::{error::Error, v1};
 
 /// Writes what a call of its own would have ended with.
 #[must_use]
@@ -27,35 +19,24 @@ pub fn batch_error(error: &Error) -> v1::BatchError {
     }
 }
 
-/// Reads it back.
-#[must_use]
-pub fn error_of_batch(wire: v1::BatchError) -> Error {
-    let violations = wire.violations.into_iter();
-    Error {
-        violations: violations
-            .map(|violation| Invalid::new(violation.field, violation.description))
-            .collect(),
-        retry_after: wire
-            .retry_delay_s
-            .and_then(|seconds| Duration::try_from_secs_f64(seconds).ok()),
-        ..Error::new(ErrorCode::from_grpc(Code::from_i32(wire.code)), wire.message)
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
+    use takt_motion::Invalid;
+
     use super::*;
 
     #[test]
-    fn an_error_comes_back() {
-        let invalid = Error::invalid(vec![Invalid::new("move.start", "must be given")]);
-        let back = error_of_batch(batch_error(&invalid));
-        assert_eq!(
-            (back.code, &back.message, &back.violations),
-            (invalid.code, &invalid.message, &invalid.violations)
-        );
-        let busy = Error::overloaded("planner.queue_capacity", "full", Duration::from_millis(250));
-        let back = error_of_batch(batch_error(&busy));
-        assert_eq!((back.code, back.retry_after), (busy.code, busy.retry_after));
+    fn an_error_keeps_its_code_its_fields_and_its_delay() {
+        let invalid = batch_error(&Error::invalid(vec![Invalid::new("move.start", "must be given")]));
+        assert_eq!((invalid.code, invalid.status.as_str()), (3, "INVALID_ARGUMENT"));
+        assert_eq!(invalid.violations[0].field, "move.start");
+        let busy = batch_error(&Error::overloaded(
+            "planner.queue_capacity",
+            "full",
+            Duration::from_millis(250),
+        ));
+        assert_eq!((busy.code, busy.retry_delay_s), (8, Some(0.25)));
     }
 }

@@ -5,7 +5,6 @@ use std::time::Instant;
 use takt_motion::{
     budget::Budget,
     path::{self, outcome::PathOutcome},
-    plan::Failure,
 };
 use takt_proto::{convert, v1};
 use tracing::Span;
@@ -41,10 +40,10 @@ pub(super) fn planned_path(
     let mut reading = Reading::of(&mut request, subject);
     check_trace(&mut reading.findings, request.trace_points, limits);
     let request = reading.convert(|spec, findings| convert::path::path_request(request, spec, findings));
-    reading.look_further(|robot, budget| path::plan_path(robot, &request, budget).map_err(on_message));
+    reading.look_further(|robot, budget| path::plan_path(robot, &request, budget));
     let (robot, provenance) = reading.checked()?;
     let outcome = path::plan_path(&robot.robot, &request, budget);
-    let outcome = outcome.map_err(|failure| failed(on_message(failure), deadline))?;
+    let outcome = outcome.map_err(|failure| failed(failure, deadline))?;
     let (name, setpoints) = match &outcome {
         PathOutcome::Plan(plan) => ("plan", plan.setpoints.as_ref().map(|setpoints| &setpoints.samples)),
         PathOutcome::Infeasible(_) => ("infeasible", None),
@@ -59,12 +58,4 @@ pub(super) fn planned_path(
         outcome,
         provenance,
     })
-}
-
-/// Findings by their places in the message.
-fn on_message(failure: Failure) -> Failure {
-    match failure {
-        Failure::Invalid(list) => Failure::Invalid(list.into_iter().map(convert::path::finding_on_path).collect()),
-        Failure::Stopped => Failure::Stopped,
-    }
 }

@@ -1,7 +1,7 @@
 //! A robot program, read segment by segment.
 
 use takt_motion::{
-    Invalid, POSITION_MAX,
+    POSITION_MAX,
     nalgebra::{Isometry3, Vector3},
     path::request::{
         Arc, ArcOrientation, Blend, Circle, Extent, OnExcess, PathRequest, Segment, Shape, Space, Spline, SplineKind,
@@ -78,15 +78,6 @@ pub fn path_request(wire: v1::PlanPathRequest, robot: Option<&RobotSpec>, findin
         start_speed: findings.positive_option(at.field("start_speed"), wire.start_speed, ""),
         end_speed: findings.positive_option(at.field("end_speed"), wire.end_speed, ""),
         sampling: plan::sampling(wire.sample_period_s, wire.trace_points, findings),
-    }
-}
-
-/// Moves a finding of the planner from the request's place in the domain to that in the message.
-#[must_use]
-pub fn finding_on_path(invalid: Invalid) -> Invalid {
-    Invalid {
-        path: invalid.path.replace("limits[", "limits.joints["),
-        ..invalid
     }
 }
 
