@@ -139,11 +139,11 @@ pub(crate) const IK_WORK: usize = 60_000;
 /// Most copies by whole turns of all solutions together.
 pub(crate) const IK_COPIES_MAX: usize = 1024;
 
-/// Most sweeps of Jacobi's rotations over a 6 × 6 matrix; four or five do.
-pub(crate) const IK_JACOBI_SWEEPS: usize = 12;
+/// Most steps to the smallest eigenvalue of a 6 × 6 matrix; four to six do.
+pub(crate) const IK_EIGEN_ROUNDS: usize = 20;
 
-/// What is left beside the diagonal, over its sum, when eigenvalues count as found: their error is its square.
-pub(crate) const IK_EIGEN_ROUNDING: f64 = 1.0e-9;
+/// Step over the trace that is rounding of the characteristic polynomial.
+pub(crate) const IK_EIGEN_ROUNDING: f64 = 1.0e-16;
 
 /// How far axes may be from meeting, over the arm's size, or from being parallel, rad, for a closed form to be used: the
 /// calibrated kinematics of real arms are within it. Newton steps lead from the ideal arm's answer to the real one's.
