@@ -160,11 +160,11 @@ pub(crate) const IK_WORK: usize = 60_000;
 /// Most copies by whole turns of all solutions together.
 pub(crate) const IK_COPIES_MAX: usize = 1024;
 
-/// Most sweeps of Jacobi's rotations over a 6 × 6 matrix; four or five do.
-pub(crate) const IK_JACOBI_SWEEPS: usize = 12;
+/// Most steps to the smallest eigenvalue of a 6 × 6 matrix; four to six do.
+pub(crate) const IK_EIGEN_ROUNDS: usize = 20;
 
-/// What is left beside the diagonal, over its sum, when eigenvalues count as found: their error is its square.
-pub(crate) const IK_EIGEN_ROUNDING: f64 = 1.0e-9;
+/// Step over the trace that is rounding of the characteristic polynomial.
+pub(crate) const IK_EIGEN_ROUNDING: f64 = 1.0e-16;
 
 /// Rounds of slowing a timed path down and verifying it again, and of the bisection for how much. The timing is certified
 /// already: one round at most is expected.

@@ -29,7 +29,7 @@ mod wrist;
 use nalgebra::Isometry3;
 
 use crate::robot::Robot;
-use newton::squared_distance;
+use newton::{Newton, squared_distance};
 use ranges::Range;
 use screws::{Place, Screws};
 use six::ClosedForm;
@@ -139,8 +139,9 @@ impl Inverse {
         let reference = self.reference(reference);
         let (solutions, method) = self.every_branch(target, &reference)?;
         let positions = self.listed(solutions, &reference, turns);
+        let mut newton = Newton::new(&self.screws, target);
         Ok(Solutions {
-            solutions: positions.into_iter().map(|q| self.solution(q, &target)).collect(),
+            solutions: positions.into_iter().map(|q| self.solution(q, &mut newton)).collect(),
             method,
         })
     }
@@ -184,7 +185,7 @@ impl Inverse {
         }
         self.every_branch(target, &reference)?;
         Err(Unreachable::Singular {
-            smallest_singular_value: singular::look(&self.screws, &q, &target).1,
+            smallest_singular_value: singular::look(&mut Newton::new(&self.screws, target), &q).1,
             closest: q,
             position_gap: gap.linear.norm(),
             orientation_gap: gap.angular.norm(),
@@ -221,20 +222,21 @@ impl Inverse {
 
     /// Copies by whole turns added, in the order of the answer.
     fn listed(&self, solutions: Vec<Vec<f64>>, reference: &[f64], turns: Turns) -> Vec<Vec<f64>> {
-        let mut positions = match turns {
+        let positions = match turns {
             Turns::Nearest => solutions,
             Turns::Every => ranges::with_copies(&self.ranges, &solutions),
         };
-        let key = |q: &[f64]| (ranges::worst(&self.ranges, q).is_some(), squared_distance(q, reference));
-        positions.sort_by(|a, b| {
-            let ((a_outside, a), (b_outside, b)) = (key(a), key(b));
-            a_outside.cmp(&b_outside).then(a.total_cmp(&b))
-        });
-        positions
+        let is_outside = |q: &[f64]| ranges::worst(&self.ranges, q).is_some();
+        let mut keyed: Vec<(bool, f64, Vec<f64>)> = positions
+            .into_iter()
+            .map(|q| (is_outside(&q), squared_distance(&q, reference), q))
+            .collect();
+        keyed.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        keyed.into_iter().map(|(_, _, q)| q).collect()
     }
 
-    fn solution(&self, position: Vec<f64>, target: &Place) -> Solution {
-        let (gap, smallest_singular_value) = singular::look(&self.screws, &position, target);
+    fn solution(&self, position: Vec<f64>, newton: &mut Newton<'_>) -> Solution {
+        let (gap, smallest_singular_value) = singular::look(newton, &position);
         Solution {
             position_error: gap.linear.norm(),
             orientation_error: gap.angular.norm(),

@@ -11,7 +11,7 @@ use super::ranges::{self, Range};
 use super::screws::{Place, Screws};
 use super::six::ClosedForm;
 use crate::robot::JOINTS_MAX;
-use crate::tolerance::{IK_DISTINCT, IK_PATIENCE, IK_POLISHED, IK_STARTS, IK_WORK};
+use crate::tolerance::{IK_PATIENCE, IK_POLISHED, IK_STARTS, IK_WORK};
 
 /// The first 32 primes, one a joint.
 const PRIMES: [f64; JOINTS_MAX] = [
@@ -111,10 +111,7 @@ pub(super) fn everywhere(screws: &Screws, target: Place, ranges: &[Range], refer
             continue;
         }
         work += settle(&mut newton, ranges, &mut q, reference);
-        let is_known = solutions
-            .iter()
-            .any(|known| ranges::difference(ranges, known, &q) < IK_DISTINCT);
-        if !is_known {
+        if !is_known(ranges, &solutions, &q) {
             fruitless = 0;
             solutions.push(q);
         }
@@ -124,9 +121,7 @@ pub(super) fn everywhere(screws: &Screws, target: Place, ranges: &[Range], refer
 }
 
 fn is_known(ranges: &[Range], solutions: &[Vec<f64>], q: &[f64]) -> bool {
-    solutions
-        .iter()
-        .any(|known| ranges::difference(ranges, known, q) < IK_DISTINCT)
+    solutions.iter().any(|known| ranges::is_same(ranges, known, q))
 }
 
 /// The k-th start; the reference is the first.

@@ -3,6 +3,7 @@
 use nalgebra::{Isometry3, Vector3};
 
 use super::{all, arms, draw, largest_difference, tool};
+use crate::kinematics::inverse::newton::Newton;
 use crate::kinematics::inverse::{Inverse, Method};
 use crate::kinematics::pose;
 use crate::robot::Robot;
@@ -36,7 +37,8 @@ fn check_recovers(robot: &Robot, count: usize, seed: u64) -> [usize; 17] {
 }
 
 fn smallest_singular_value(inverse: &Inverse, target: &Isometry3<f64>, q: &[f64]) -> f64 {
-    inverse.solution(q.to_vec(), &target.into()).smallest_singular_value
+    let mut newton = Newton::new(&inverse.screws, target.into());
+    inverse.solution(q.to_vec(), &mut newton).smallest_singular_value
 }
 
 #[test]
