@@ -80,6 +80,18 @@ pub(crate) struct Obstacle {
     pub(crate) gravity_torque: f64,
 }
 
+impl Obstacle {
+    /// No timing was found, and no single limit is to blame.
+    const NO_TIMING: Self = Self {
+        reason: PathInfeasibleReason::NoTiming,
+        s: 0.0,
+        joint: None,
+        needed: 0.0,
+        available: 0.0,
+        gravity_torque: 0.0,
+    };
+}
+
 /// Times a path as fast as every limit but jerk allows.
 ///
 /// # Errors

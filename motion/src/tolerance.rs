@@ -258,9 +258,6 @@ pub(crate) const JERK_BACKTRACKS: usize = 30;
 /// Least ṡ² of a starting profile as part of its largest: a solve must begin within its limits, not on them.
 pub(crate) const JERK_START_FLOOR: f64 = 1.0e-9;
 
-/// Part of every torque limit that must be left at rest: less would move an arm only in hours.
-pub(crate) const JERK_HOLDING_RESERVE: f64 = 1.0e-3;
-
 /// Intervals of the coarse grid of the jerk solver: its solution is within a few percent, and its work a tenth of that on
 /// the fine one.
 pub(crate) const JERK_COARSE_INTERVALS: usize = 80;

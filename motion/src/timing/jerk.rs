@@ -20,27 +20,23 @@ mod certificate;
 mod fold;
 mod interior;
 mod level;
+mod limiting;
 mod pass;
 mod profile;
 mod rest;
 mod rows;
 
-use nalgebra::Isometry3;
-
+use super::grid::{even, fixed_nodes, spread};
+use super::{Obstacle, Task, Timing};
 use crate::budget::{Budget, Stopped};
-use crate::curve::Curve;
-use crate::robot::Robot;
-use crate::timing::grid::{even, fixed_nodes, spread};
-use crate::timing::law::TimeLaw;
-use crate::timing::limits::Limits;
+use crate::path::outcome::PathInfeasibleReason;
 use crate::tolerance::{
     JERK_COARSE_INTERVALS, JERK_GAP, JERK_GAP_COARSE, JERK_INTERVALS_MIN, JERK_RESERVE, JERK_ROUND_WORTH, JERK_ROUNDS,
     JERK_SLOW_ROUNDS,
 };
 use certificate::Certificate;
 use interior::{Accuracy, Solver};
-pub(crate) use level::Obstacle;
-use level::{Level, Task};
+use level::Level;
 use profile::Profile;
 
 /// Part of every limit that the first profile of a solve uses: from nothing, from a coarser grid, after tightening.
@@ -61,49 +57,50 @@ const AGAIN: Accuracy = Accuracy {
     first_center: 0.3,
 };
 
-/// The fastest motion along the curve, from rest to rest, that exceeds no limit anywhere; on about `interval_count`
-/// intervals.
+/// Times a path as fast as every limit allows, jerk limits too, from rest to rest. Speeds at the ends are not supported
+/// together with jerk limits: the obstacle is then a boundary speed.
 ///
 /// # Errors
 /// [`Stopped`], when nobody waits any more.
-pub(crate) fn jerk_limited(
-    robot: &Robot,
-    tcp: &Isometry3<f64>,
-    curve: &dyn Curve,
-    limits: &Limits,
-    interval_count: usize,
-    budget: &Budget<'_>,
-) -> Result<Result<TimeLaw, Obstacle>, Stopped> {
-    let task = Task {
-        robot,
-        tcp,
-        curve,
-        limits,
-        budget,
-    };
-    if curve.length() <= 0.0 {
-        return Ok(Ok(TimeLaw::default()));
+pub(crate) fn jerk_limited(task: &Task<'_>, budget: &Budget<'_>) -> Result<Result<Timing, Obstacle>, Stopped> {
+    if let Some(obstacle) = moving_end(task) {
+        return Ok(Err(obstacle));
     }
-    let fixed = fixed_nodes(curve, limits);
-    let coarse = match Level::new(&task, even(&fixed, JERK_COARSE_INTERVALS), &fixed)? {
+    if task.curve.length() <= 0.0 {
+        return Ok(Ok(Timing::default()));
+    }
+    let fixed = fixed_nodes(task.curve, task.limits);
+    let coarse = match Level::new(task, even(&fixed, JERK_COARSE_INTERVALS), &fixed, budget)? {
         Ok(level) => level,
         Err(obstacle) => return Ok(Err(obstacle)),
     };
-    let mut x = coarse.unknowns(leaving_rest(curve.length()), START_COLD);
+    let mut x = coarse.unknowns(leaving_rest(task.curve.length()), START_COLD);
     Solver::new(&coarse.problem).improve(&coarse.problem, &mut x, &COLD, budget)?;
 
     let profile = coarse.profile(&x);
-    let Some(nodes) = respread(&profile, &fixed, interval_count.max(JERK_INTERVALS_MIN)) else {
-        return Ok(Err(Obstacle::NoEnd));
+    let Some(nodes) = respread(&profile, &fixed, task.intervals.max(JERK_INTERVALS_MIN)) else {
+        return Ok(Err(Obstacle::NO_TIMING));
     };
-    let mut fine = match Level::new(&task, nodes, &fixed)? {
+    let mut fine = match Level::new(task, nodes, &fixed, budget)? {
         Ok(level) => level,
         Err(obstacle) => return Ok(Err(obstacle)),
     };
     let mut x = fine.unknowns(|s| profile.square(s), START_PROLONGED);
     let mut solver = Solver::new(&fine.problem);
     solver.improve(&fine.problem, &mut x, &PROLONGED, budget)?;
-    certified(&task, &mut fine, &mut solver, x)
+    certified(task, &mut fine, &mut solver, x, budget)
+}
+
+/// The end at which the motion is not asked to be at rest.
+fn moving_end(task: &Task<'_>) -> Option<Obstacle> {
+    let at = [0.0, task.curve.length()];
+    let (s, speed) = at.into_iter().zip(task.end_speeds).find(|(_, speed)| *speed != 0.0)?;
+    Some(Obstacle {
+        reason: PathInfeasibleReason::BoundarySpeed,
+        s,
+        needed: speed,
+        ..Obstacle::NO_TIMING
+    })
 }
 
 /// A profile that leaves rest and comes to rest at constant jerk: (4·u·(1 − u))^(4/3), u the part of the path.
@@ -121,21 +118,30 @@ fn certified(
     level: &mut Level,
     solver: &mut Solver,
     mut x: Vec<f64>,
-) -> Result<Result<TimeLaw, Obstacle>, Stopped> {
-    let mut certificate = Certificate::new(task, level.nodes())?;
+    budget: &Budget<'_>,
+) -> Result<Result<Timing, Obstacle>, Stopped> {
+    let mut certificate = match Certificate::new(task, level.nodes(), budget)? {
+        Ok(certificate) => certificate,
+        Err(obstacle) => return Ok(Err(obstacle)),
+    };
+    let mut rounds = 0;
     let mut speed = measured(level, &mut certificate, &mut x);
-    for _ in 0..JERK_ROUNDS {
-        if speed >= 1.0 - JERK_ROUND_WORTH {
-            break;
-        }
+    while rounds < JERK_ROUNDS && speed < 1.0 - JERK_ROUND_WORTH {
         level.tighten(&certificate);
         level.run_at(&mut x, START_AGAIN, 1.0);
-        solver.improve(&level.problem, &mut x, &AGAIN, task.budget)?;
+        solver.improve(&level.problem, &mut x, &AGAIN, budget)?;
         speed = measured(level, &mut certificate, &mut x);
+        rounds += 1;
     }
     for _ in 0..JERK_SLOW_ROUNDS {
+        budget.check()?;
         if speed >= 1.0 {
-            return Ok(level.profile(&x).law().ok_or(Obstacle::NoEnd));
+            let timing = level.profile(&x).law().map(|law| Timing {
+                law,
+                limiting: certificate.limiting(),
+                rounds,
+            });
+            return Ok(timing.ok_or(Obstacle::NO_TIMING));
         }
         let slower = speed * (1.0 - JERK_RESERVE);
         for x in &mut x {
@@ -143,7 +149,7 @@ fn certified(
         }
         speed = measured(level, &mut certificate, &mut x);
     }
-    Ok(Err(Obstacle::NoEnd))
+    Ok(Err(Obstacle::NO_TIMING))
 }
 
 /// How much slower the motion must be. Where it stands still between samples it is mixed with one that does not.

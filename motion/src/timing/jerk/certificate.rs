@@ -7,15 +7,15 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::level::Task;
 use super::profile::Profile;
 use super::rows::Tightening;
-use crate::budget::Stopped;
+use crate::budget::{Budget, Stopped};
 use crate::curve::Side;
 use crate::timing::coefficients::Coefficients;
 use crate::timing::grid::Place;
+use crate::timing::{Obstacle, Task, standstill};
 use crate::timing::limits::{JointLimits, Limits};
-use crate::tolerance::{JERK_TIGHTEN_MIN, JERK_TIGHTEN_TO};
+use crate::tolerance::{CERTIFIED, JERK_TIGHTEN_MIN, JERK_TIGHTEN_TO};
 
 /// Points of an interval.
 const POINTS: usize = 8;
@@ -26,19 +26,19 @@ type Points = [f64; POINTS];
 /// The coefficients of every limit at all points of a grid; a use of 1 is all of the limit.
 #[derive(Debug)]
 pub(crate) struct Certificate<'a> {
-    limits: &'a Limits,
-    at: Coefficients,
-    rates: Vec<Rates>,
+    pub(super) limits: &'a Limits,
+    pub(super) at: Coefficients,
+    pub(super) rates: Vec<Rates>,
     uses: Vec<Uses>,
 }
 
 /// The motion at the points of one interval: ṡ, ṡ², s̈ and s⃛.
 #[derive(Debug, Clone, Copy, Default)]
-struct Rates {
-    velocity: Points,
-    square: Points,
-    acceleration: Points,
-    jerk: Points,
+pub(super) struct Rates {
+    pub(super) velocity: Points,
+    pub(super) square: Points,
+    pub(super) acceleration: Points,
+    pub(super) jerk: Points,
 }
 
 /// Parts of the limits that are used, at most, around each point of one interval.
@@ -57,7 +57,7 @@ struct Uses {
 impl<'a> Certificate<'a> {
     /// # Errors
     /// [`Stopped`], when nobody waits any more.
-    pub(crate) fn new(task: &Task<'a>, nodes: &[f64]) -> Result<Self, Stopped> {
+    pub(crate) fn new(task: &Task<'a>, nodes: &[f64], budget: &Budget<'_>) -> Result<Result<Self, Obstacle>, Stopped> {
         let mut places = Vec::with_capacity(POINTS * nodes.len());
         for pair in nodes.windows(2) {
             let inner = (1..POINTS - 1).map(|k| pair[0] + part(k) * (pair[1] - pair[0]));
@@ -65,14 +65,22 @@ impl<'a> Certificate<'a> {
             places.extend([pair[0]].map(place(Side::After)));
             places.extend(inner.chain([pair[1]]).map(place(Side::Before)));
         }
-        let at = Coefficients::compute(task.robot, task.tcp, task.curve, task.limits, &places, task.budget)?;
+        let at = Coefficients::compute(task.robot, task.tcp, task.curve, task.limits, &places, budget)?;
+        if let Some(obstacle) = standstill::obstacle(&at, task.limits) {
+            return Ok(Err(obstacle));
+        }
         let intervals = nodes.len() - 1;
-        Ok(Self {
+        Ok(Ok(Self {
             limits: task.limits,
             at,
             rates: vec![Rates::default(); intervals],
             uses: vec![Uses::default(); intervals],
-        })
+        }))
+    }
+
+    /// Which sample of the coefficients a point of an interval is.
+    pub(super) fn place(&self, interval: usize, point: usize) -> usize {
+        interval * POINTS + point
     }
 
     /// The largest even change of speed, at most 1, with which no limit is exceeded; for torque, a safe estimate.
@@ -103,11 +111,11 @@ impl<'a> Certificate<'a> {
             let worst = |points: &Points| points.iter().copied().fold(0.0, f64::max);
             let squared = worst(&uses.acceleration).max(worst(&uses.square));
             let cubed = worst(&uses.jerk);
-            if squared > 1.0 {
-                speed = speed.min(1.0 / squared.sqrt());
+            if squared > CERTIFIED {
+                speed = speed.min((CERTIFIED / squared).sqrt());
             }
-            if cubed > 1.0 {
-                speed = speed.min(1.0 / libm::cbrt(cubed));
+            if cubed > CERTIFIED {
+                speed = speed.min(libm::cbrt(CERTIFIED / cubed));
             }
             speed = speed.min(uses.torque_speed);
         }
@@ -257,7 +265,7 @@ fn torque_uses(at: &Coefficients, entry: usize, limit: f64, rates: &Rates, uses:
         uses.torque[k] = uses.torque[k].max(used);
         worst = worst.max(used);
     }
-    if worst <= 1.0 {
+    if worst <= CERTIFIED {
         return;
     }
     for k in 0..POINTS {
@@ -266,9 +274,9 @@ fn torque_uses(at: &Coefficients, entry: usize, limit: f64, rates: &Rates, uses:
             (down[k] - low[k] / limit, -(gravity[k] + low[k]) / limit),
         ];
         for (used, at_rest) in sides {
-            if used > 1.0 {
+            if used > CERTIFIED {
                 // what motion adds grows with its speed or with the square of it: the slower of the two
-                uses.torque_speed = uses.torque_speed.min((1.0 - at_rest) / (used - at_rest));
+                uses.torque_speed = uses.torque_speed.min((CERTIFIED - at_rest) / (used - at_rest));
             }
         }
     }

@@ -4,8 +4,6 @@
 //! the middles of the inner intervals with jerk rows alone. What bounds the first and last interval, where the law of
 //! constant jerk holds, is linear in powers of its one number a₁: eight samples of each bound a₁ from above.
 
-use nalgebra::Isometry3;
-
 use super::basis::Basis;
 use super::certificate::Certificate;
 use super::fold::Sample;
@@ -14,42 +12,16 @@ use super::profile::Profile;
 use super::rest;
 use super::rows::{Counts, Rows, Tightening};
 use crate::budget::{Budget, Stopped};
-use crate::curve::{Curve, Side};
-use crate::robot::Robot;
+use crate::curve::Side;
 use crate::scalar::LANES_MAX;
 use crate::timing::coefficients::Coefficients;
 use crate::timing::grid::Place;
-use crate::timing::limits::Limits;
-use crate::tolerance::{JERK_HOLDING_RESERVE, JERK_START_FLOOR};
+use crate::timing::limits::{JointLimits, Limits};
+use crate::timing::{Obstacle, Task, standstill};
+use crate::tolerance::JERK_START_FLOOR;
 
 /// Samples of each end interval.
 const END_SAMPLES: usize = LANES_MAX;
-
-/// What is timed: the path and everything that bounds the motion on it.
-pub(crate) struct Task<'a> {
-    pub(crate) robot: &'a Robot,
-    pub(crate) tcp: &'a Isometry3<f64>,
-    pub(crate) curve: &'a dyn Curve,
-    pub(crate) limits: &'a Limits,
-    pub(crate) budget: &'a Budget<'a>,
-}
-
-/// Why there is no motion.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Obstacle {
-    /// Gravity and Coulomb friction alone take a joint's whole torque.
-    Torque {
-        s: f64,
-        joint: usize,
-        /// Signed, N m or N.
-        needed: f64,
-        available: f64,
-        /// Gravity's part of it.
-        gravity: f64,
-    },
-    /// Nothing that moves was found within the limits.
-    NoEnd,
-}
 
 /// A grid with its problem.
 #[derive(Debug)]
@@ -72,7 +44,7 @@ struct Kinds {
 
 impl Kinds {
     fn of(limits: &Limits, joint_count: usize) -> Self {
-        let any = |bounds: fn(&crate::timing::limits::JointLimits) -> Option<f64>| {
+        let any = |bounds: fn(&JointLimits) -> Option<f64>| {
             (0..joint_count)
                 .filter(|joint| {
                     limits
@@ -149,7 +121,12 @@ impl Level {
     ///
     /// # Errors
     /// [`Stopped`], when nobody waits any more.
-    pub(crate) fn new(task: &Task<'_>, nodes: Vec<f64>, fixed: &[f64]) -> Result<Result<Self, Obstacle>, Stopped> {
+    pub(crate) fn new(
+        task: &Task<'_>,
+        nodes: Vec<f64>,
+        fixed: &[f64],
+        budget: &Budget<'_>,
+    ) -> Result<Result<Self, Obstacle>, Stopped> {
         let basis = Basis::new(nodes);
         let nodes = basis.nodes();
         let last = nodes.len() - 1;
@@ -178,9 +155,9 @@ impl Level {
         }
         let end = nodes[last] - nodes[last - 1];
         places.extend((1..=END_SAMPLES).rev().map(|k| after(nodes[last] - part(k) * end)));
-        let at = Coefficients::compute(task.robot, task.tcp, task.curve, task.limits, &places, task.budget)?;
+        let at = Coefficients::compute(task.robot, task.tcp, task.curve, task.limits, &places, budget)?;
 
-        if let Some(obstacle) = held(task.limits, &at) {
+        if let Some(obstacle) = standstill::obstacle(&at, task.limits) {
             return Ok(Err(obstacle));
         }
         let kinds = Kinds::of(task.limits, at.joint_count);
@@ -287,28 +264,4 @@ impl Level {
                 .collect(),
         }
     }
-}
-
-/// The first place where a joint's torque is taken up without moving.
-fn held(limits: &Limits, at: &Coefficients) -> Option<Obstacle> {
-    for (place, stretch) in at.stretch.iter().enumerate() {
-        for (joint, bounds) in limits.stretches[*stretch].joints.iter().enumerate() {
-            let Some(limit) = bounds.torque else { continue };
-            let entry = joint * at.stride + place;
-            let gravity = at.terms.gravity[entry];
-            for needed in [gravity + at.coulomb_high[entry], gravity + at.coulomb_low[entry]] {
-                // also where the torque is not a number
-                if !(needed.abs() < (1.0 - JERK_HOLDING_RESERVE) * limit) {
-                    return Some(Obstacle::Torque {
-                        s: at.places[place].s,
-                        joint,
-                        needed,
-                        available: limit,
-                        gravity,
-                    });
-                }
-            }
-        }
-    }
-    None
 }
