@@ -116,46 +116,6 @@ pub(crate) fn optimal(task: &Task<'_>, budget: &Budget<'_>) -> Result<Result<Tim
     certify(task, &fixed, solved, budget)
 }
 
-/// Times a path from rest to rest as fast as every limit, jerk included, allows.
-///
-/// # Errors
-/// [`Stopped`], when nobody waits any more.
-pub(crate) fn jerk_limited(task: &Task<'_>, budget: &Budget<'_>) -> Result<Result<TimeLaw, Obstacle>, Stopped> {
-    let Task {
-        robot,
-        tcp,
-        curve,
-        limits,
-        intervals,
-        ..
-    } = *task;
-    let timed = jerk::jerk_limited(robot, tcp, curve, limits, intervals, budget)?;
-    Ok(timed.map_err(|obstacle| match obstacle {
-        jerk::Obstacle::Torque {
-            s,
-            joint,
-            needed,
-            available,
-            gravity,
-        } => Obstacle {
-            reason: PathInfeasibleReason::MovingTorque,
-            s,
-            joint: Some(joint),
-            needed,
-            available,
-            gravity_torque: gravity,
-        },
-        jerk::Obstacle::NoEnd => Obstacle {
-            reason: PathInfeasibleReason::NoTiming,
-            s: 0.0,
-            joint: None,
-            needed: 0.0,
-            available: 0.0,
-            gravity_torque: 0.0,
-        },
-    }))
-}
-
 /// A problem on a grid, and its solution.
 struct Solved<'a> {
     problem: Problem<'a>,

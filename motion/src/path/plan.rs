@@ -154,13 +154,13 @@ fn time(
         end_speeds: speeds,
         intervals: TIMING_INTERVALS,
     };
-    let law = if problem.limits_jerk(&stroke) {
-        timing::jerk_limited(&task, budget)?
+    let timing = if problem.limits_jerk(&stroke) {
+        timing::jerk::jerk_limited(&task, budget)?
     } else {
-        timing::optimal(&task, budget)?.map(|timing| timing.law)
+        timing::optimal(&task, budget)?
     };
-    let mut law = match law {
-        Ok(law) => law,
+    let mut law = match timing {
+        Ok(timing) => timing.law,
         Err(obstacle) => return Ok(Err(refusal(&stroke, &obstacle))),
     };
     if let Some(cycle) = cycle

@@ -13,8 +13,8 @@ use crate::budget::{Budget, Stopped};
 use crate::curve::Side;
 use crate::timing::coefficients::Coefficients;
 use crate::timing::grid::Place;
-use crate::timing::{Obstacle, Task, standstill};
 use crate::timing::limits::{JointLimits, Limits};
+use crate::timing::{Obstacle, Task, standstill};
 use crate::tolerance::{CERTIFIED, JERK_TIGHTEN_MIN, JERK_TIGHTEN_TO};
 
 /// Points of an interval.
