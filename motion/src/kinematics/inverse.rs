@@ -10,23 +10,29 @@
 //! connected family the answer is the member nearest to it, within the joint ranges where there is one. Distances
 //! between joint positions are √Σ(qⱼ − rⱼ)², rad and m alike.
 
+mod circle;
 mod gap;
 mod newton;
+mod parallel;
+mod quartic;
 mod ranges;
 mod screws;
 mod search;
 mod singular;
+mod six;
 mod square;
 #[cfg(test)]
 mod tests;
 mod unreachable;
+mod wrist;
 
 use nalgebra::Isometry3;
 
 use crate::robot::Robot;
-use newton::squared_distance;
+use newton::{Newton, squared_distance};
 use ranges::Range;
 use screws::{Place, Screws};
+use six::ClosedForm;
 pub use unreachable::Unreachable;
 
 /// The answers for one pose.
@@ -104,15 +110,18 @@ pub fn nearest(
 pub struct Inverse {
     screws: Screws,
     ranges: Vec<Range>,
+    closed_form: Option<ClosedForm>,
 }
 
 impl Inverse {
     /// Looks at the chain of a robot; `tcp` is the tool centre point's pose in the tip link's frame.
     #[must_use]
     pub fn new(robot: &Robot, tcp: &Isometry3<f64>) -> Self {
+        let screws = Screws::new(robot, tcp);
         Self {
-            screws: Screws::new(robot, tcp),
+            closed_form: ClosedForm::new(&screws),
             ranges: ranges::of_robot(robot),
+            screws,
         }
     }
 
@@ -128,14 +137,12 @@ impl Inverse {
     ) -> Result<Solutions, Unreachable> {
         let target = Place::from(pose);
         let reference = self.reference(reference);
-        let found = search::everywhere(&self.screws, target, &self.ranges, &reference);
-        if found.solutions.is_empty() {
-            return Err(out_of_reach(found.closest));
-        }
-        let positions = self.listed(found.solutions, &reference, turns);
+        let (solutions, method) = self.every_branch(target, &reference)?;
+        let positions = self.listed(solutions, &reference, turns);
+        let mut newton = Newton::new(&self.screws, target);
         Ok(Solutions {
-            solutions: positions.into_iter().map(|q| self.solution(q, &target)).collect(),
-            method: Method::Numerical,
+            solutions: positions.into_iter().map(|q| self.solution(q, &mut newton)).collect(),
+            method,
         })
     }
 
@@ -146,19 +153,58 @@ impl Inverse {
     pub fn nearest(&self, pose: &Isometry3<f64>, reference: &[f64]) -> Result<Vec<f64>, Unreachable> {
         let target = Place::from(pose);
         let reference = self.reference(Some(reference));
-        let (q, gap) = search::from_reference(&self.screws, target, &self.ranges, &reference);
-        if gap.is_closed() && self.is_in_range(&q) {
-            return Ok(q);
+        if self.closed_form.is_none() {
+            let (q, gap) = search::from_reference(&self.screws, target, &self.ranges, &reference, true);
+            if gap.is_closed() && self.is_in_range(&q) {
+                return Ok(q);
+            }
         }
-        let found = search::everywhere(&self.screws, target, &self.ranges, &reference);
-        if found.solutions.is_empty() {
-            return Err(out_of_reach(found.closest));
-        }
-        let mut positions = self.listed(found.solutions, &reference, Turns::Nearest);
+        let (solutions, _) = self.every_branch(target, &reference)?;
+        let mut positions = self.listed(solutions, &reference, Turns::Nearest);
         if self.is_in_range(&positions[0]) {
             return Ok(positions.swap_remove(0));
         }
         Err(self.outside(positions))
+    }
+
+    /// The solution on the reference's own branch, continuously from there and without whole turns: for the next place
+    /// of a path. The reference must be near, by less than some tenths of a radian.
+    ///
+    /// # Errors
+    /// Where the branch ends at a singularity before the pose, or leaves a joint's range, or the pose is out of reach.
+    pub fn follow(&self, pose: &Isometry3<f64>, reference: &[f64]) -> Result<Vec<f64>, Unreachable> {
+        let target = Place::from(pose);
+        let reference = self.reference(Some(reference));
+        let (q, gap) = search::from_reference(&self.screws, target, &self.ranges, &reference, false);
+        if gap.is_closed() {
+            return if self.is_in_range(&q) {
+                Ok(q)
+            } else {
+                Err(self.outside(vec![q]))
+            };
+        }
+        self.every_branch(target, &reference)?;
+        Err(Unreachable::Singular {
+            smallest_singular_value: singular::look(&mut Newton::new(&self.screws, target), &q).1,
+            closest: q,
+            position_gap: gap.linear.norm(),
+            orientation_gap: gap.angular.norm(),
+        })
+    }
+
+    /// Every solution, each moved into its range where that is possible: by the closed form, else by searching.
+    fn every_branch(&self, target: Place, reference: &[f64]) -> Result<(Vec<Vec<f64>>, Method), Unreachable> {
+        if let Some(closed_form) = &self.closed_form {
+            let solutions = search::from_candidates(&self.screws, closed_form, target, &self.ranges, reference);
+            if !solutions.is_empty() {
+                return Ok((solutions, Method::ClosedForm));
+            }
+        }
+        let found = search::everywhere(&self.screws, target, &self.ranges, reference);
+        if found.solutions.is_empty() {
+            return Err(out_of_reach(found.closest));
+        }
+        Ok((found.solutions, Method::Numerical))
     }
 
     /// One value a joint: the reference, or the middle of the range where it has none.
@@ -176,20 +222,21 @@ impl Inverse {
 
     /// Copies by whole turns added, in the order of the answer.
     fn listed(&self, solutions: Vec<Vec<f64>>, reference: &[f64], turns: Turns) -> Vec<Vec<f64>> {
-        let mut positions = match turns {
+        let positions = match turns {
             Turns::Nearest => solutions,
             Turns::Every => ranges::with_copies(&self.ranges, &solutions),
         };
-        let key = |q: &[f64]| (ranges::worst(&self.ranges, q).is_some(), squared_distance(q, reference));
-        positions.sort_by(|a, b| {
-            let ((a_outside, a), (b_outside, b)) = (key(a), key(b));
-            a_outside.cmp(&b_outside).then(a.total_cmp(&b))
-        });
-        positions
+        let is_outside = |q: &[f64]| ranges::worst(&self.ranges, q).is_some();
+        let mut keyed: Vec<(bool, f64, Vec<f64>)> = positions
+            .into_iter()
+            .map(|q| (is_outside(&q), squared_distance(&q, reference), q))
+            .collect();
+        keyed.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        keyed.into_iter().map(|(_, _, q)| q).collect()
     }
 
-    fn solution(&self, position: Vec<f64>, target: &Place) -> Solution {
-        let (gap, smallest_singular_value) = singular::look(&self.screws, &position, target);
+    fn solution(&self, position: Vec<f64>, newton: &mut Newton<'_>) -> Solution {
+        let (gap, smallest_singular_value) = singular::look(newton, &position);
         Solution {
             position_error: gap.linear.norm(),
             orientation_error: gap.angular.norm(),

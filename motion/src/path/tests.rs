@@ -1,0 +1,3 @@
+mod joint;
+mod plan;
+mod support;
