@@ -15,16 +15,24 @@
 mod arm;
 mod build;
 mod check;
+mod circle;
 mod corner;
+mod evidence;
 mod extent;
 mod fault;
+mod follow;
+mod guided;
+mod inverse;
 pub mod outcome;
 mod passage;
 mod piecewise;
 mod report;
 pub mod request;
+mod shape;
+mod square;
 mod stroke;
 mod taught;
+mod tool;
 mod track;
 mod weight;
 

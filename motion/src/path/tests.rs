@@ -1,2 +1,4 @@
 mod joint;
+mod mixed;
 mod support;
+mod tool;
