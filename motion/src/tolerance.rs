@@ -379,3 +379,57 @@ pub(crate) const IK_POLISHED: f64 = 1.0e-13;
 /// The same below which the angle may be free: the distance is itself the root of a root of rounding where two
 /// singularities come together.
 pub(crate) const IK_NEARLY_FREE: f64 = 1.0e-4;
+/// Terms of the square of half an angle in the distance of two quaternions: up to a right angle (a turn by π) each is half
+/// of the one before, so that the third derivative is true to 1e-12.
+pub(crate) const ANGLE_TERMS: usize = 52;
+
+/// Terms of sin(√z)/√z up to (π/2)²: the last is 1e-20, and 1e-17 in the third derivative.
+pub(crate) const SINC_TERMS: usize = 13;
+
+/// Smallest pivot that is divided by, where lengths are parts of the arm's: the result stays finite, and is refused for
+/// its singularity.
+pub(crate) const RANK_MIN: f64 = 1.0e-30;
+
+/// Largest joint step after which Newton's method counts as ended, rad or m: the derivatives that are taken before the
+/// step are then true to as much.
+pub(crate) const NEWTON_DONE: f64 = 1.0e-12;
+
+/// Rounds of Newton's method: from a seed 1e-3 off it needs three, twelve tell that there is no answer near.
+pub(crate) const NEWTON_ROUNDS: usize = 12;
+
+/// Gap between a pose and the tool that counts as none, rad or parts of the arm's length: rounding of taught poses.
+pub(crate) const CLOSED: f64 = 1.0e-9;
+
+/// Largest difference between the predicted and the true joints of a step along a curve, rad or m. Branches are much
+/// further apart wherever the Jacobian's smallest singular value is above [`SINGULAR_MIN`].
+pub(crate) const SEED_ERROR: f64 = 1.0e-3;
+
+/// Smallest singular value of the Jacobian, linear rows in parts of the arm's length, with which a curve of the tool is
+/// followed: a wrist within 0.6° of straight. Closer, joint speeds are a hundred times the tool's.
+pub(crate) const SINGULAR_MIN: f64 = 1.0e-2;
+
+/// Shortest step along a curve of the tool, as part of it, before it counts as ended there.
+pub(crate) const FOLLOW_MIN: f64 = 1.0e-5;
+
+/// Most steps along one curve of the tool; a long weave takes hundreds.
+pub(crate) const FOLLOW_STEPS: usize = 20_000;
+
+/// How far the points of an arc may be off their circle, as part of its radius, and a normal off its direction: taught
+/// points are rounded to tenths of a millimetre.
+pub(crate) const ARC_MISFIT: f64 = 1.0e-3;
+
+/// Sine of an angle below which three points of an arc lie on one line, and metres below which two of them are one.
+pub(crate) const COLLINEAR: f64 = 1.0e-6;
+
+/// Largest difference of joint positions that were found on two ways and are meant to be the same, rad or m: other
+/// branches differ by far more, rounding and taught digits by less.
+pub(crate) const SAME_BRANCH: f64 = 1.0e-6;
+
+/// Places on the rest of a curve at which its reach is looked at, once it could not be followed.
+pub(crate) const REACH_PROBES: usize = 8;
+
+/// Largest angle between two orientations that are mixed, rad: at π there is no shortest way any more.
+pub(crate) const BLEND_ANGLE_MAX: f64 = 3.0;
+
+/// Rounds of a golden section about the sample of a blend that is furthest off: a hundredth of the step between samples.
+pub(crate) const DEVIATION_ROUNDS: usize = 12;
