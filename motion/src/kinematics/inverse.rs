@@ -6,8 +6,8 @@
 //!
 //! Every answer is checked by forward kinematics: its tool is within 1e-9 m and 1e-9 rad of the pose.
 //!
-//! Arms of six turning joints with a wrist, or with three parallel axes, have a closed form ([`six`], [`wrist`],
-//! [`parallel`]); it gives every branch. Every other chain is searched ([`search`]).
+//! Arms of six turning joints with a wrist, or with three parallel axes, have a closed form (`six`, `wrist`,
+//! `parallel`); it gives every branch. Every other chain is searched (`search`).
 //!
 //! Where the pose leaves joints free, whether by a seventh joint or at a singularity, the reference r decides: of a
 //! connected family the answer is a member to which no neighbour is nearer, (I − J⁺·J)·(r − q) = 0. A joint that would

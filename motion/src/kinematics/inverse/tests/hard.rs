@@ -192,7 +192,7 @@ fn free_direction(robot: &Robot, q: &[f64]) -> Vec<f64> {
     jacobian(robot, q, &tool(), &mut matrix);
     let minor = |left_out: usize| {
         let m = nalgebra::Matrix6::from_fn(|row, column| matrix[row * 7 + column + usize::from(column >= left_out)]);
-        if left_out % 2 == 0 {
+        if left_out.is_multiple_of(2) {
             m.determinant()
         } else {
             -m.determinant()
