@@ -154,8 +154,15 @@ pub(crate) const IK_STARTS: usize = 256;
 /// Starts in a row without a new solution that end the search.
 pub(crate) const IK_PATIENCE: usize = 40;
 
+/// The same where only the solution nearest to a reference is asked for, and that is not near.
+pub(crate) const IK_PATIENCE_NEAR: usize = 12;
+
+/// Largest joint difference from the reference, rad or m, at which the solution that Newton steps lead to is taken for the
+/// nearest: other branches are further apart.
+pub(crate) const IK_NEAR: f64 = 0.5;
+
 /// Steps times joints that end the search: some milliseconds.
-pub(crate) const IK_WORK: usize = 60_000;
+pub(crate) const IK_WORK: usize = 40_000;
 
 /// Most copies by whole turns of all solutions together.
 pub(crate) const IK_COPIES_MAX: usize = 1024;
