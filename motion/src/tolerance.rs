@@ -282,7 +282,7 @@ pub(crate) const JERK_ROUNDS: usize = 3;
 
 /// Part of the speed that must be at stake for another round of tightening: below, slowing down evenly costs less
 /// than what a solve leaves.
-pub(crate) const JERK_ROUND_WORTH: f64 = 5.0e-4;
+pub(crate) const JERK_ROUND_WORTH: f64 = 1.0e-3;
 
 /// Tightening aims at this part of each limit, and takes away at most down to the second in one round: a peak
 /// between two samples of a bad first grid is no measure of them.
