@@ -440,3 +440,48 @@ pub(crate) const BLEND_ANGLE_MAX: f64 = 3.0;
 
 /// Rounds of a golden section about the sample of a blend that is furthest off: a hundredth of the step between samples.
 pub(crate) const DEVIATION_ROUNDS: usize = 12;
+/// Shortest segment, radius, tolerance and reach at constant speed, m: below what the best arms repeat.
+pub(crate) const PROCESS_LENGTH_MIN: f64 = 1.0e-6;
+
+/// Farthest that a segment may begin from where the one before it ends, m: rounding of taught points. A transition
+/// takes it in.
+pub(crate) const SEAM_GAP_MAX: f64 = 1.0e-9;
+
+/// Farthest that an arc's start may be outside the circle's plane, as part of the radius: rounding of taught points.
+pub(crate) const ARC_PLANE_SLACK: f64 = 1.0e-9;
+
+/// Shortest half of a transition, s: below any servo cycle.
+pub(crate) const TRANSITION_TIME_MIN: f64 = 1.0e-6;
+
+/// Shortest half of a transition that is chosen, s: a few servo cycles, so that slow tools are not jerked for nothing.
+pub(crate) const TRANSITION_TIME_LEAST: f64 = 0.01;
+
+/// Shortest servo cycle, s.
+pub(crate) const CYCLE_TIME_MIN: f64 = 1.0e-6;
+
+/// Acceleration of the tool that transitions are chosen by where nobody says, m/s²: half of gravity's, which arms with a
+/// torch or a nozzle have to spare. It lowers no speed.
+pub(crate) const TRANSITION_ACCELERATION: f64 = 5.0;
+
+/// Part of a cycle by which a count of cycles may be too large and still be whole: rounding of a quotient.
+pub(crate) const CYCLE_SLACK: f64 = 1.0e-9;
+
+/// Shorter than this part of the duration, what is between two transitions is rounding.
+pub(crate) const STRETCH_MIN: f64 = 1.0e-13;
+
+/// Jumps below this part of the speed, or of the transition's acceleration, are rounding. Pinned by
+/// `random_chains_have_no_jumps`.
+pub(crate) const JUMP_ROUNDING: f64 = 1.0e-9;
+
+/// Samples of a transition in the search for its extremes: its curves are of the fifth degree.
+pub(crate) const TRANSITION_SAMPLES: usize = 64;
+
+/// Steps of the golden-section search between two samples: they shorten 1/32 to 3e-12, the error at a kink.
+pub(crate) const GOLDEN_STEPS: usize = 48;
+
+/// Halvings in the search for a reach or a speed: to rounding.
+pub(crate) const HALVINGS: usize = 50;
+
+/// Rounds of lowering the speed until every transition keeps the tool's acceleration; the second nearly always
+/// confirms the first.
+pub(crate) const GENTLE_ROUNDS: usize = 8;
