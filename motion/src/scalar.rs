@@ -118,19 +118,21 @@ pub(crate) struct Lanes<S: Simd> {
 }
 
 impl<S: Simd> Lanes<S> {
-    /// Reads the lanes that start at `values[0]`.
+    /// Reads the lanes that start at `values[0]`. (A whole register at once: pulp's partial loads are calls.)
     #[inline(always)]
     pub(crate) fn load(simd: S, values: &[f64]) -> Self {
+        let (registers, _) = S::as_simd_f64s(values);
         Self {
             simd,
-            values: simd.partial_load_f64s(&values[..S::F64_LANES]),
+            values: registers[0],
         }
     }
 
     /// Writes the lanes from `values[0]` on.
     #[inline(always)]
     pub(crate) fn store(self, values: &mut [f64]) {
-        self.simd.partial_store_f64s(&mut values[..S::F64_LANES], self.values);
+        let (registers, _) = S::as_mut_simd_f64s(values);
+        registers[0] = self.values;
     }
 
     /// The same constant in every lane.

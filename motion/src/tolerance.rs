@@ -154,8 +154,15 @@ pub(crate) const IK_STARTS: usize = 256;
 /// Starts in a row without a new solution that end the search.
 pub(crate) const IK_PATIENCE: usize = 40;
 
+/// The same where only the solution nearest to a reference is asked for, and that is not near.
+pub(crate) const IK_PATIENCE_NEAR: usize = 12;
+
+/// Largest joint difference from the reference, rad or m, at which the solution that Newton steps lead to is taken for the
+/// nearest: other branches are further apart.
+pub(crate) const IK_NEAR: f64 = 0.5;
+
 /// Steps times joints that end the search: some milliseconds.
-pub(crate) const IK_WORK: usize = 60_000;
+pub(crate) const IK_WORK: usize = 40_000;
 
 /// Most copies by whole turns of all solutions together.
 pub(crate) const IK_COPIES_MAX: usize = 1024;
@@ -275,7 +282,7 @@ pub(crate) const JERK_ROUNDS: usize = 3;
 
 /// Part of the speed that must be at stake for another round of tightening: below, slowing down evenly costs less
 /// than what a solve leaves.
-pub(crate) const JERK_ROUND_WORTH: f64 = 5.0e-4;
+pub(crate) const JERK_ROUND_WORTH: f64 = 1.0e-3;
 
 /// Tightening aims at this part of each limit, and takes away at most down to the second in one round: a peak
 /// between two samples of a bad first grid is no measure of them.
@@ -379,3 +386,102 @@ pub(crate) const IK_POLISHED: f64 = 1.0e-13;
 /// The same below which the angle may be free: the distance is itself the root of a root of rounding where two
 /// singularities come together.
 pub(crate) const IK_NEARLY_FREE: f64 = 1.0e-4;
+/// Terms of the square of half an angle in the distance of two quaternions: up to a right angle (a turn by π) each is half
+/// of the one before, so that the third derivative is true to 1e-12.
+pub(crate) const ANGLE_TERMS: usize = 52;
+
+/// Terms of sin(√z)/√z up to (π/2)²: the last is 1e-20, and 1e-17 in the third derivative.
+pub(crate) const SINC_TERMS: usize = 13;
+
+/// Smallest pivot that is divided by, where lengths are parts of the arm's: the result stays finite, and is refused for
+/// its singularity.
+pub(crate) const RANK_MIN: f64 = 1.0e-30;
+
+/// Largest joint step after which Newton's method counts as ended, rad or m: the derivatives that are taken before the
+/// step are then true to as much.
+pub(crate) const NEWTON_DONE: f64 = 1.0e-12;
+
+/// Rounds of Newton's method: from a seed 1e-3 off it needs three, twelve tell that there is no answer near.
+pub(crate) const NEWTON_ROUNDS: usize = 12;
+
+/// Gap between a pose and the tool that counts as none, rad or parts of the arm's length: rounding of taught poses.
+pub(crate) const CLOSED: f64 = 1.0e-9;
+
+/// Largest difference between the predicted and the true joints of a step along a curve, rad or m. Branches are much
+/// further apart wherever the Jacobian's smallest singular value is above [`SINGULAR_MIN`].
+pub(crate) const SEED_ERROR: f64 = 1.0e-3;
+
+/// Smallest singular value of the Jacobian, linear rows in parts of the arm's length, with which a curve of the tool is
+/// followed: a wrist within 0.6° of straight. Closer, joint speeds are a hundred times the tool's.
+pub(crate) const SINGULAR_MIN: f64 = 1.0e-2;
+
+/// Shortest step along a curve of the tool, as part of it, before it counts as ended there.
+pub(crate) const FOLLOW_MIN: f64 = 1.0e-5;
+
+/// Most steps along one curve of the tool; a long weave takes hundreds.
+pub(crate) const FOLLOW_STEPS: usize = 20_000;
+
+/// How far the points of an arc may be off their circle, as part of its radius, and a normal off its direction: taught
+/// points are rounded to tenths of a millimetre.
+pub(crate) const ARC_MISFIT: f64 = 1.0e-3;
+
+/// Sine of an angle below which three points of an arc lie on one line, and metres below which two of them are one.
+pub(crate) const COLLINEAR: f64 = 1.0e-6;
+
+/// Largest difference of joint positions that were found on two ways and are meant to be the same, rad or m: other
+/// branches differ by far more, rounding and taught digits by less.
+pub(crate) const SAME_BRANCH: f64 = 1.0e-6;
+
+/// Places on the rest of a curve at which its reach is looked at, once it could not be followed.
+pub(crate) const REACH_PROBES: usize = 8;
+
+/// Largest angle between two orientations that are mixed, rad: at π there is no shortest way any more.
+pub(crate) const BLEND_ANGLE_MAX: f64 = 3.0;
+
+/// Rounds of a golden section about the sample of a blend that is furthest off: a hundredth of the step between samples.
+pub(crate) const DEVIATION_ROUNDS: usize = 12;
+/// Shortest segment, radius, tolerance and reach at constant speed, m: below what the best arms repeat.
+pub(crate) const PROCESS_LENGTH_MIN: f64 = 1.0e-6;
+
+/// Farthest that a segment may begin from where the one before it ends, m: rounding of taught points. A transition
+/// takes it in.
+pub(crate) const SEAM_GAP_MAX: f64 = 1.0e-9;
+
+/// Farthest that an arc's start may be outside the circle's plane, as part of the radius: rounding of taught points.
+pub(crate) const ARC_PLANE_SLACK: f64 = 1.0e-9;
+
+/// Shortest half of a transition, s: below any servo cycle.
+pub(crate) const TRANSITION_TIME_MIN: f64 = 1.0e-6;
+
+/// Shortest half of a transition that is chosen, s: a few servo cycles, so that slow tools are not jerked for nothing.
+pub(crate) const TRANSITION_TIME_LEAST: f64 = 0.01;
+
+/// Shortest servo cycle, s.
+pub(crate) const CYCLE_TIME_MIN: f64 = 1.0e-6;
+
+/// Acceleration of the tool that transitions are chosen by where nobody says, m/s²: half of gravity's, which arms with a
+/// torch or a nozzle have to spare. It lowers no speed.
+pub(crate) const TRANSITION_ACCELERATION: f64 = 5.0;
+
+/// Part of a cycle by which a count of cycles may be too large and still be whole: rounding of a quotient.
+pub(crate) const CYCLE_SLACK: f64 = 1.0e-9;
+
+/// Shorter than this part of the duration, what is between two transitions is rounding.
+pub(crate) const STRETCH_MIN: f64 = 1.0e-13;
+
+/// Jumps below this part of the speed, or of the transition's acceleration, are rounding. Pinned by
+/// `random_chains_have_no_jumps`.
+pub(crate) const JUMP_ROUNDING: f64 = 1.0e-9;
+
+/// Samples of a transition in the search for its extremes: its curves are of the fifth degree.
+pub(crate) const TRANSITION_SAMPLES: usize = 64;
+
+/// Steps of the golden-section search between two samples: they shorten 1/32 to 3e-12, the error at a kink.
+pub(crate) const GOLDEN_STEPS: usize = 48;
+
+/// Halvings in the search for a reach or a speed: to rounding.
+pub(crate) const HALVINGS: usize = 50;
+
+/// Rounds of lowering the speed until every transition keeps the tool's acceleration; the second nearly always
+/// confirms the first.
+pub(crate) const GENTLE_ROUNDS: usize = 8;

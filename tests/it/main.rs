@@ -4,6 +4,7 @@
 
 mod bad_inputs;
 mod contract;
+mod inverse;
 mod limits;
 mod moves;
 mod mutations;
@@ -11,4 +12,5 @@ mod operations;
 mod oracle;
 mod plan;
 mod registry;
+mod streams;
 mod tidy;

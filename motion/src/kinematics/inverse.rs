@@ -6,9 +6,16 @@
 //!
 //! Every answer is checked by forward kinematics: its tool is within 1e-9 m and 1e-9 rad of the pose.
 //!
-//! Where the pose leaves joints free, whether by a seventh joint or at a singularity, the reference decides: of each
-//! connected family the answer is the member nearest to it, within the joint ranges where there is one. Distances
-//! between joint positions are √Σ(qⱼ − rⱼ)², rad and m alike.
+//! Arms of six turning joints with a wrist, or with three parallel axes, have a closed form (`six`, `wrist`,
+//! `parallel`); it gives every branch. Every other chain is searched (`search`).
+//!
+//! Where the pose leaves joints free, whether by a seventh joint or at a singularity, the reference r decides: of a
+//! connected family the answer is a member to which no neighbour is nearer, (I − J⁺·J)·(r − q) = 0. A joint that would
+//! leave its range there is held at the end of it, where the others can make up for that. Distances between joint
+//! positions are √Σ(qⱼ − rⱼ)², rad and m alike.
+//!
+//! Nothing here asks a budget: the longest search, for a pose out of reach, takes some milliseconds. Whoever solves for
+//! many poses asks between them.
 
 mod circle;
 mod gap;
@@ -29,6 +36,7 @@ mod wrist;
 use nalgebra::Isometry3;
 
 use crate::robot::Robot;
+use crate::tolerance::{IK_NEAR, IK_PATIENCE, IK_PATIENCE_NEAR};
 use newton::{Newton, squared_distance};
 use ranges::Range;
 use screws::{Place, Screws};
@@ -148,18 +156,23 @@ impl Inverse {
 
     /// The solution within every joint range that is nearest to the reference, one value a joint.
     ///
+    /// Without a closed form it is the one that Newton steps from the reference lead to, where that is near; otherwise
+    /// the nearest of those that a short search finds.
+    ///
     /// # Errors
     /// Where there is none.
     pub fn nearest(&self, pose: &Isometry3<f64>, reference: &[f64]) -> Result<Vec<f64>, Unreachable> {
         let target = Place::from(pose);
         let reference = self.reference(Some(reference));
-        if self.closed_form.is_none() {
-            let (q, gap) = search::from_reference(&self.screws, target, &self.ranges, &reference, true);
-            if gap.is_closed() && self.is_in_range(&q) {
-                return Ok(q);
-            }
+        let mut solutions = if self.closed_form.is_some() {
+            self.every_branch(target, &reference)?.0
+        } else {
+            self.near(target, &reference)
+        };
+        solutions.retain(|q| self.is_in_range(q));
+        if solutions.is_empty() {
+            solutions = self.every_branch(target, &reference)?.0;
         }
-        let (solutions, _) = self.every_branch(target, &reference)?;
         let mut positions = self.listed(solutions, &reference, Turns::Nearest);
         if self.is_in_range(&positions[0]) {
             return Ok(positions.swap_remove(0));
@@ -200,11 +213,21 @@ impl Inverse {
                 return Ok((solutions, Method::ClosedForm));
             }
         }
-        let found = search::everywhere(&self.screws, target, &self.ranges, reference);
+        let found = search::everywhere(&self.screws, target, &self.ranges, reference, IK_PATIENCE);
         if found.solutions.is_empty() {
             return Err(out_of_reach(found.closest));
         }
         Ok((found.solutions, Method::Numerical))
+    }
+
+    /// The solution that a run from the reference leads to, where that is near; else those of a short search.
+    fn near(&self, target: Place, reference: &[f64]) -> Vec<Vec<f64>> {
+        let (q, gap) = search::from_reference(&self.screws, target, &self.ranges, reference, true);
+        let is_near = q.iter().zip(reference).all(|(q, r)| (q - r).abs() <= IK_NEAR);
+        if gap.is_closed() && is_near && self.is_in_range(&q) {
+            return vec![q];
+        }
+        search::everywhere(&self.screws, target, &self.ranges, reference, IK_PATIENCE_NEAR).solutions
     }
 
     /// One value a joint: the reference, or the middle of the range where it has none.

@@ -5,20 +5,23 @@ use std::sync::Arc as Shared;
 use nalgebra::Isometry3;
 
 use super::check::check;
-use super::corner::Mix;
-use super::extent::{self, Corner};
-use super::fault::Fault;
-use super::outcome::{BlendReport, PathInfeasible};
+use super::corner::{self, Corner, Mix};
+use super::extent::{self, Reach};
+use super::fault::{Fault, infeasible};
+use super::inverse::Followers;
+use super::outcome::{PathInfeasible, PathInfeasibleReason};
 use super::passage::Passage;
-use super::request::{Blend, PathRequest};
+use super::request::{Blend, PathRequest, Space};
 use super::stroke::Stroke;
 use super::taught::Teacher;
-use super::track::Track;
+use super::track::{Joints, Track};
 use super::{Program, report};
 use crate::budget::Budget;
+use crate::curve::Side;
+use crate::jet::Jet;
 use crate::plan::Failure;
 use crate::robot::Robot;
-use crate::tolerance::{BLEND_MIN, PACE_MIN};
+use crate::tolerance::{BLEND_ANGLE_MAX, BLEND_MIN, PACE_MIN, SAME_BRANCH, SINGULAR_MIN};
 
 /// Makes the paths of a program. `robot` carries the request's payload; `tcp` is its tool in the tip link's frame.
 ///
@@ -73,7 +76,14 @@ fn program(robot: &Robot, tcp: &Isometry3<f64>, request: &PathRequest, budget: &
     for (corner, tracks) in corners.into_iter().zip(chain.tracks.windows(2)) {
         budget.check()?;
         mixes.push(match corner {
-            Some(corner) => mix(&teacher, &tracks[0], &tracks[1], corner, &mut program)?,
+            Some(reach) => {
+                let corner = Corner {
+                    arm: &teacher.arm,
+                    first: &tracks[0],
+                    second: &tracks[1],
+                };
+                mix(&teacher, corner, reach, &mut program, budget)?
+            }
             None => None,
         });
     }
@@ -91,7 +101,7 @@ fn chain(
     let mut chain = Chain::default();
     for (index, segment) in request.segments.iter().enumerate() {
         budget.check()?;
-        if let Some(track) = teacher.track(index, &segment.shape)? {
+        if let Some(track) = teacher.track(index, &segment.shape, warnings, budget)? {
             chain.tracks.push(track);
             chain.blends.push(segment.blend);
             chain.dwells.push(segment.dwell);
@@ -115,11 +125,12 @@ fn chain(
 /// Blends one corner; `None` where it has to be an exact stop.
 fn mix(
     teacher: &Teacher<'_>,
-    first: &Track,
-    second: &Track,
-    corner: Corner,
+    corner: Corner<'_>,
+    reach: Reach,
     program: &mut Program,
+    budget: &Budget<'_>,
 ) -> Result<Option<Mix>, Fault> {
+    let Corner { first, second, .. } = corner;
     let mut stop = |why: &str| {
         let (one, other) = (first.segment, second.segment);
         program
@@ -127,22 +138,82 @@ fn mix(
             .push(format!("an exact stop between segments {one} and {other}: {why}"));
         program.blends.push(report::of_stop(first, second, why.to_owned()));
     };
-    if corner.before.min(corner.after) < BLEND_MIN {
+    if reach.before.min(reach.after) < BLEND_MIN {
         stop("the blend is shorter than can be moved along");
         return Ok(None);
     }
     let passage = Passage {
-        before: corner.before,
-        after: corner.after,
+        before: reach.before,
+        after: reach.after,
     };
-    let mix = Mix::in_joint_space(passage, corner.blend.weight);
-    if mix.slowest(&teacher.arm, first, second, &teacher.speeds) < PACE_MIN {
+    let mix = match reach.blend.space {
+        Space::Joint => Mix::in_joint_space(passage, reach.blend.weight),
+        Space::Tool => tool_mix(teacher, corner, passage, reach.blend, budget)?,
+    };
+    if mix.slowest(corner, &teacher.speeds) < PACE_MIN {
         stop("the path turns back on itself there");
         return Ok(None);
     }
-    let report: BlendReport = report::of_blend(&teacher.arm, first, second, &corner, &mix);
-    program.blends.push(report);
+    program.blends.push(report::of_blend(corner, &mix, reach.shrunk));
     Ok(Some(mix))
+}
+
+/// Blends one corner in tool space.
+fn tool_mix(
+    teacher: &Teacher<'_>,
+    corner: Corner<'_>,
+    passage: Passage,
+    blend: Blend,
+    budget: &Budget<'_>,
+) -> Result<Mix, Fault> {
+    let Corner { arm, first, second } = corner;
+    let (segment, next) = (first.segment, second.segment);
+    let angle = corner.largest_angle(&passage);
+    if angle > BLEND_ANGLE_MAX {
+        let message = format!(
+            "the orientations of segments {segment} and {next} are up to {angle:.4} rad apart where they overlap, the most \
+             is {BLEND_ANGLE_MAX}; make the blend shorter, or blend in joint space"
+        );
+        return Err(Fault::invalid(format!("segments[{segment}].blend"), message));
+    }
+    let (mut begin, mut end) = (Joints::default(), Joints::default());
+    first.joints(
+        arm,
+        Jet::constant(first.length - passage.before),
+        Side::After,
+        &mut begin,
+    );
+    second.joints(arm, Jet::constant(passage.after), Side::Before, &mut end);
+    let values = |q: &Joints| -> Vec<f64> { q.iter().take(arm.joint_count()).map(|q| q.value()).collect() };
+    let leaders = teacher.leaders(&values(&begin), &values(&end));
+    let followers = Followers::all_but(arm.joint_count(), &leaders);
+    let fault = |s: f64, smallest: f64, why: &str| PathInfeasible {
+        needed: SINGULAR_MIN,
+        available: smallest,
+        ..infeasible(
+            PathInfeasibleReason::Singularity,
+            corner::location(&passage, first, second, s),
+            format!("the blend of segments {segment} and {next} {why}; make it shorter, or blend in joint space"),
+        )
+    };
+    let mix = match Mix::in_tool_space(corner, passage, blend.weight, followers, budget)? {
+        Ok(mix) => mix,
+        Err(halt) => return Err(fault(halt.at, halt.smallest, "meets a singularity or the end of the reach").into()),
+    };
+    let ends = mix.followed_end().unwrap_or_default();
+    if ends
+        .iter()
+        .zip(values(&end))
+        .any(|(got, asked)| (got - asked).abs() > SAME_BRANCH)
+    {
+        return Err(fault(
+            passage.length(),
+            SINGULAR_MIN,
+            "ends in another configuration of the arm",
+        )
+        .into());
+    }
+    Ok(mix)
 }
 
 /// Cuts the chain at its exact stops.

@@ -11,7 +11,7 @@ use crate::tolerance::{BISECTIONS, HELPER_SAMPLES, SEAM_ROUNDING};
 
 /// One corner to be blended.
 #[derive(Debug, Clone)]
-pub(super) struct Corner {
+pub(super) struct Reach {
     pub(super) blend: Blend,
     /// What of the track before takes part, in its parameter.
     pub(super) before: f64,
@@ -29,8 +29,8 @@ struct Leg<'a> {
 }
 
 /// Finds the extents of all corners; `corners[i]` is between tracks i and i + 1, `None` an exact stop.
-pub(super) fn settle(arm: &Arm, tracks: &[Track], blends: &[Option<Blend>]) -> Vec<Option<Corner>> {
-    let mut corners: Vec<Option<Corner>> = blends
+pub(super) fn settle(arm: &Arm, tracks: &[Track], blends: &[Option<Blend>]) -> Vec<Option<Reach>> {
+    let mut corners: Vec<Option<Reach>> = blends
         .iter()
         .zip(tracks.windows(2))
         .map(|(blend, tracks)| blend.map(|blend| wanted(arm, &tracks[0], &tracks[1], blend)))
@@ -56,7 +56,7 @@ pub(super) fn settle(arm: &Arm, tracks: &[Track], blends: &[Option<Blend>]) -> V
 }
 
 /// What a blend would have if it were alone.
-fn wanted(arm: &Arm, first: &Track, second: &Track, blend: Blend) -> Corner {
+fn wanted(arm: &Arm, first: &Track, second: &Track, blend: Blend) -> Reach {
     let sides = [end_of(first), start_of(second)];
     let reaches = match blend.extent {
         Extent::Radius(radius) => sides.map(|side| side.at_distance(arm, radius)),
@@ -69,7 +69,7 @@ fn wanted(arm: &Arm, first: &Track, second: &Track, blend: Blend) -> Corner {
             .is_none()
             .then(|| format!("segment {segment} is shorter than the blend's reach"))
     });
-    Corner {
+    Reach {
         blend,
         before: reaches[0].unwrap_or(first.length),
         after: reaches[1].unwrap_or(second.length),
@@ -78,7 +78,7 @@ fn wanted(arm: &Arm, first: &Track, second: &Track, blend: Blend) -> Corner {
 }
 
 /// Shares a track between the blends at its two ends.
-fn share(track: &Track, corners: &mut [Option<Corner>], index: usize) {
+fn share(track: &Track, corners: &mut [Option<Reach>], index: usize) {
     if index == 0 || index >= corners.len() {
         return;
     }
@@ -103,7 +103,7 @@ fn share(track: &Track, corners: &mut [Option<Corner>], index: usize) {
 }
 
 /// A radius that one side cut short is cut on both.
-fn even_out(arm: &Arm, first: &Track, second: &Track, corner: &mut Corner) {
+fn even_out(arm: &Arm, first: &Track, second: &Track, corner: &mut Reach) {
     let (Extent::Radius(radius), Some(shrunk)) = (corner.blend.extent, &mut corner.shrunk) else {
         return;
     };
@@ -156,6 +156,9 @@ impl Leg<'_> {
         }
         if way > self.track.tool_length {
             return None;
+        }
+        if self.track.is_uniform() {
+            return Some(way / self.track.tool_length * length);
         }
         let way_to = |reach: f64| self.track.tool_way(arm, self.parameter(0.0), self.parameter(reach));
         Some(bisect(0.0, length, |reach| way_to(reach) >= way))

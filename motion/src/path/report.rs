@@ -2,43 +2,49 @@
 
 use nalgebra::Vector3;
 
-use super::arm::Arm;
-use super::corner::Mix;
-use super::extent::Corner;
+use super::corner::{Corner, Mix, golden};
 use super::outcome::{BlendReport, Location};
+use super::passage::Passage;
 use super::track::{Joints, Track};
 use crate::curve::Side;
-use crate::tolerance::DEVIATION_SAMPLES;
+use crate::tolerance::{DEVIATION_ROUNDS, DEVIATION_SAMPLES};
 
 /// The report of a blend. Its distances are of samples, true to about a thousandth of the blend's size.
-pub(super) fn of_blend(arm: &Arm, first: &Track, second: &Track, corner: &Corner, mix: &Mix) -> BlendReport {
-    let mut before = samples(first.length - corner.before, corner.before, |u| {
-        first.tool_position(arm, u)
-    });
+pub(super) fn of_blend(corner: Corner<'_>, mix: &Mix, shrunk: Option<String>) -> BlendReport {
+    let Corner { arm, first, second } = corner;
+    let Passage { before, after } = mix.passage();
+    let mut taught = samples(first.length - before, before, |u| first.tool_position(arm, u));
     let point = first.tool_position(arm, first.length);
-    before.extend(samples(0.0, corner.after, |u| second.tool_position(arm, u)));
+    taught.extend(samples(0.0, after, |u| second.tool_position(arm, u)));
     let length = mix.passage().length();
     let mut q = Joints::default();
-    let blended = samples(0.0, length, |s| {
-        mix.joints(arm, first, second, s, Side::After, &mut q);
+    let mut blended = |s: f64| {
+        mix.joints(corner, s, Side::After, &mut q);
         arm.position(&q[..arm.joint_count()])
-    });
-    let deviation = blended.iter().map(|p| distance(&before, p)).fold(0.0, f64::max);
+    };
+    let line = samples(0.0, length, &mut blended);
+    let mut depth = |s: f64| -distance(&taught, &blended(s));
+    let step = length / DEVIATION_SAMPLES as f64;
+    let depths: Vec<f64> = line.iter().map(|point| distance(&taught, point)).collect();
+    let deepest = (0..depths.len()).max_by(|a, b| depths[*a].total_cmp(&depths[*b]));
+    let around = step * deepest.unwrap_or(0) as f64;
+    let (low, high) = ((around - step).max(0.0), (around + step).min(length));
+    let deviation = -golden(&mut depth, low, high, DEVIATION_ROUNDS);
     BlendReport {
         segment: first.segment,
         begin: Location {
             segment: first.segment,
-            fraction: 1.0 - corner.before / first.length,
+            fraction: 1.0 - before / first.length,
         },
         end: Location {
             segment: second.segment,
-            fraction: corner.after / second.length,
+            fraction: after / second.length,
         },
         begin_time: 0.0,
         end_time: 0.0,
         deviation,
-        corner_distance: distance(&blended, &point),
-        shrunk: corner.shrunk.clone(),
+        corner_distance: distance(&line, &point),
+        shrunk,
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc as Shared;
 use nalgebra::Vector3;
 
 use super::arm::Arm;
-use super::corner::Mix;
+use super::corner::{self, Corner, Mix};
 use super::outcome::Location;
 use super::piecewise::piece_at;
 use super::track::{Joints, Track};
@@ -132,21 +132,17 @@ impl Stroke {
         let s = s.clamp(0.0, self.length());
         let piece = piece_at(&self.seams, s, Side::After);
         let local = s - self.seams[piece];
-        let (track, u) = match &self.pieces[piece] {
-            Piece::Single { track, from } => (&self.tracks[*track], from + local),
-            Piece::Blend { first, mix } => {
-                let (first, second) = (&self.tracks[*first], &self.tracks[first + 1]);
-                let x = mix.passage().at(local).value();
-                if x < 0.5 {
-                    (first, mix.first_begin(first) + mix.passage().before * x)
-                } else {
-                    (second, mix.passage().after * x)
+        match &self.pieces[piece] {
+            Piece::Single { track, from } => {
+                let track = &self.tracks[*track];
+                Location {
+                    segment: track.segment,
+                    fraction: ((from + local) / track.length).clamp(0.0, 1.0),
                 }
             }
-        };
-        Location {
-            segment: track.segment,
-            fraction: (u / track.length).clamp(0.0, 1.0),
+            Piece::Blend { first, mix } => {
+                corner::location(&mix.passage(), &self.tracks[*first], &self.tracks[first + 1], local)
+            }
         }
     }
 
@@ -182,7 +178,12 @@ impl Stroke {
                 self.tracks[*track].joints(&self.arm, Jet::variable(from + local, 1.0), side, q);
             }
             Piece::Blend { first, mix } => {
-                mix.joints(&self.arm, &self.tracks[*first], &self.tracks[first + 1], local, side, q);
+                let corner = Corner {
+                    arm: &self.arm,
+                    first: &self.tracks[*first],
+                    second: &self.tracks[first + 1],
+                };
+                mix.joints(corner, local, side, q);
             }
         }
     }

@@ -54,7 +54,7 @@ const PROLONGED: Accuracy = Accuracy {
 };
 const AGAIN: Accuracy = Accuracy {
     gap: JERK_GAP,
-    first_center: 0.3,
+    first_center: 0.01,
 };
 
 /// Times a path as fast as every limit allows, jerk limits too, from rest to rest. Speeds at the ends are not supported

@@ -88,7 +88,7 @@ fn worst_use(robot: &Robot, curve: &dyn Curve, limits: &Limits, law: &TimeLaw, d
 }
 
 /// The tool's part, by differences of its poses.
-fn tool_use(robot: &Robot, stretch: &Stretch, point: &CurvePoint, [sd, sdd]: [f64; 2]) -> f64 {
+pub(crate) fn tool_use(robot: &Robot, stretch: &Stretch, point: &CurvePoint, [sd, sdd]: [f64; 2]) -> f64 {
     let tcp = Isometry3::translation(0.05, 0.0, 0.1);
     let step = 1e-4;
     let at = |time: f64| {
@@ -210,7 +210,7 @@ fn no_limit_is_broken_between_samples() {
 }
 
 /// The same arm with plausible rotors and friction: 4 % of the torque Coulomb, 3 % viscous at full speed.
-fn with_drives(arm: &Robot) -> Robot {
+pub(crate) fn with_drives(arm: &Robot) -> Robot {
     let mut spec = arm.spec().clone();
     for joint in &mut spec.joints {
         let (torque, speed) = (joint.drive.peak_torque.unwrap(), joint.limits.velocity.unwrap());

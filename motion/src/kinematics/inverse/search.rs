@@ -11,7 +11,7 @@ use super::ranges::{self, Range};
 use super::screws::{Place, Screws};
 use super::six::ClosedForm;
 use crate::robot::JOINTS_MAX;
-use crate::tolerance::{IK_PATIENCE, IK_POLISHED, IK_STARTS, IK_WORK};
+use crate::tolerance::{IK_POLISHED, IK_STARTS, IK_WORK};
 
 /// The first 32 primes, one a joint.
 const PRIMES: [f64; JOINTS_MAX] = [
@@ -88,14 +88,20 @@ pub(super) fn from_candidates(
     solutions
 }
 
-/// Every solution that the starts lead to.
-pub(super) fn everywhere(screws: &Screws, target: Place, ranges: &[Range], reference: &[f64]) -> Found {
+/// The solutions that the starts lead to, until `patience` of them in a row brought nothing new.
+pub(super) fn everywhere(
+    screws: &Screws,
+    target: Place,
+    ranges: &[Range],
+    reference: &[f64],
+    patience: usize,
+) -> Found {
     let mut newton = Newton::new(screws, target);
     let mut solutions: Vec<Vec<f64>> = Vec::new();
     let mut closest: Option<(Vec<f64>, Gap)> = None;
     let (mut work, mut fruitless) = (0, 0);
     for start in 0..IK_STARTS {
-        if fruitless > IK_PATIENCE || work * screws.count() > IK_WORK {
+        if fruitless > patience || work * screws.count() > IK_WORK {
             break;
         }
         let mut q = place(start, screws, ranges, reference);

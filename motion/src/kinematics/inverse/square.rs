@@ -46,6 +46,7 @@ impl Square {
 
     /// x = A⁻¹·x, by A = L·D·Lᵀ. A pivot that is not positive, which rounding alone makes, stands for a direction
     /// without effect: its unknown is 0.
+    #[allow(clippy::needless_range_loop, reason = "the indices are the formula's")]
     pub(super) fn solve(mut self, x: &mut [f64; TASK]) {
         let n = self.order;
         let mut inverse = [0.0; TASK];
@@ -110,6 +111,7 @@ impl Square {
 
     /// A ← H·A·H for one reflection H = I − 2·v·vᵀ/|v|² after another, each of which clears a column below the
     /// subdiagonal. Only the lower triangle is kept.
+    #[allow(clippy::needless_range_loop, reason = "the indices are the formula's")]
     fn tridiagonalize(&mut self) {
         let n = self.order;
         for k in 0..n.saturating_sub(2) {

@@ -1,9 +1,10 @@
 //! Real arms, short ways to write programs, and what every path must be: smooth.
 
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use crate::budget::Budget;
 use crate::curve::{Curve, CurvePoint, Side};
+use crate::kinematics::pose;
 use crate::path::outcome::PathInfeasible;
 use crate::path::request::*;
 use crate::path::{Program, Stroke, build};
@@ -99,7 +100,7 @@ pub(super) fn program(robot: &Robot, request: &PathRequest) -> Program {
 pub(super) fn refused(robot: &Robot, request: &PathRequest) -> Vec<String> {
     match outcome(robot, request) {
         Err(Failure::Invalid(findings)) => findings.iter().map(ToString::to_string).collect(),
-        other => panic!("should be refused: {other:?}"),
+        other => panic!("should be refused: {}", other.is_ok()),
     }
 }
 
@@ -179,3 +180,48 @@ pub(super) fn check_continuity(stroke: &Stroke, order: usize) {
         }
     }
 }
+
+pub(super) fn tool_at(robot: &Robot, stroke: &Stroke, s: f64) -> Isometry3<f64> {
+    pose(robot, &at(stroke, s, Side::After).position, &tcp())
+}
+
+/// The pose that is an offset and a turn away from that of some joint positions, in base-link axes.
+pub(super) fn shifted(robot: &Robot, q: &[f64], by: [f64; 3], turn: [f64; 3]) -> Isometry3<f64> {
+    let mut moved = pose(robot, q, &tcp());
+    moved.translation.vector += Vector3::from(by);
+    moved.rotation = UnitQuaternion::from_scaled_axis(Vector3::from(turn)) * moved.rotation;
+    moved
+}
+
+pub(super) fn to_pose(pose: Isometry3<f64>) -> Target {
+    Target::Pose { pose, frame: None }
+}
+
+pub(super) fn line(target: Target, blend: Option<Blend>) -> Segment {
+    segment(Shape::Line { target }, blend)
+}
+
+pub(super) fn arc(
+    circle: Circle,
+    target: Option<Target>,
+    orientation: ArcOrientation,
+    blend: Option<Blend>,
+) -> Segment {
+    let arc = Arc {
+        circle,
+        target,
+        orientation,
+    };
+    segment(Shape::Arc(arc), blend)
+}
+
+pub(super) fn tool_blend(extent: Extent) -> Option<Blend> {
+    Some(Blend {
+        extent,
+        space: Space::Tool,
+        weight: Weight::Smoothstep,
+    })
+}
+
+/// Joint positions in the middle of a UR's work.
+pub(super) const READY: [f64; 6] = [0.1, -1.4, 1.6, -1.7, -1.5, 0.3];

@@ -122,8 +122,7 @@ impl<'a> Certificate<'a> {
         Some(speed)
     }
 
-    /// How much less of the limits a sample at the start (0), in the middle (½) or at the end (1) of an interval may use, so
-    /// that nothing around it is exceeded. At the ends of the grid the sample answers for its rest interval too.
+    /// How much less of the limits a sample at the part `part` of an interval may use, so that nothing around it is exceeded. At the ends of the grid the sample answers for its rest interval too.
     pub(crate) fn tightening(&self, interval: usize, part: f64) -> Tightening {
         let mut uses = [0.0_f64; 4];
         let mut add = |interval: usize, points: std::ops::Range<usize>| {
@@ -134,12 +133,17 @@ impl<'a> Certificate<'a> {
             }
         };
         let (first, second) = (0..POINTS / 2, POINTS / 2..POINTS);
-        if part == 0.5 {
-            add(interval, 0..POINTS);
-        } else {
-            let after = if part > 0.5 { interval + 1 } else { interval };
+        if part <= 0.0 || part >= 1.0 {
+            let after = if part > 0.0 { interval + 1 } else { interval };
             add(after - 1, second);
             add(after, first);
+        } else {
+            if part <= 0.5 {
+                add(interval, first);
+            }
+            if part >= 0.5 {
+                add(interval, second);
+            }
         }
         let last = self.uses.len() - 1;
         let rest = match (interval, part) {

@@ -165,15 +165,13 @@ impl Solver {
             self.scale[block][lane] = speed;
             duration += sample.weight / speed;
         }
-        for per_row in [&mut self.multipliers, &mut self.step] {
-            per_row.fill(0.0);
-        }
+        self.step.fill(0.0);
         if self.assemble(problem, 0.0) >= 0.0 {
             return false;
         }
         let rows = 4 * problem.samples.len() * problem.rows.joint_count().max(1);
         let center = first_center * duration / rows as f64;
-        self.multipliers.scale_from(&self.inverse, center);
+        self.multipliers.at_least(&self.inverse, center);
         true
     }
 

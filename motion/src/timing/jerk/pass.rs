@@ -77,11 +77,13 @@ impl PerRow {
         self.speed.fill([block; 1]);
     }
 
-    /// Every value `factor` times the other's.
-    pub(crate) fn scale_from(&mut self, other: &Self, factor: f64) {
+    /// Every value at least `factor` times the other's.
+    pub(crate) fn at_least(&mut self, other: &Self, factor: f64) {
         fn each<const C: usize>(to: &mut [[Block; C]], from: &[[Block; C]], factor: f64) {
-            for (to, from) in to.iter_mut().zip(from) {
-                *to = from.map(|block| block.map(|value| value * factor));
+            for (to, from) in to.as_flattened_mut().iter_mut().zip(from.as_flattened()) {
+                for (to, from) in to.iter_mut().zip(from) {
+                    *to = to.max(from * factor);
+                }
             }
         }
         each(&mut self.jerk, &other.jerk, factor);

@@ -192,7 +192,7 @@ fn free_direction(robot: &Robot, q: &[f64]) -> Vec<f64> {
     jacobian(robot, q, &tool(), &mut matrix);
     let minor = |left_out: usize| {
         let m = nalgebra::Matrix6::from_fn(|row, column| matrix[row * 7 + column + usize::from(column >= left_out)]);
-        if left_out % 2 == 0 {
+        if left_out.is_multiple_of(2) {
             m.determinant()
         } else {
             -m.determinant()
@@ -235,4 +235,73 @@ fn following_keeps_the_branch() {
         matches!(end, Some(Unreachable::OutOfReach { position_gap, .. }) if position_gap < 1.1e-3),
         "{end:?}"
     );
+}
+
+/// An arm that reaches back over its own shoulder reaches less far, by twice the shoulder's offset.
+#[test]
+fn a_branch_that_ends_at_a_singularity_is_told_from_the_end_of_reach() {
+    let arm = arms::dh(&[
+        (0.15, PI / 2.0, 0.45, 0.0, false),
+        (0.59, 0.0, 0.0, 0.0, false),
+        (0.13, PI / 2.0, 0.0, 0.0, false),
+        (0.0, -PI / 2.0, 0.647, 0.0, false),
+        (0.0, PI / 2.0, 0.0, 0.0, false),
+        (0.0, 0.0, 0.095, 0.0, false),
+    ]);
+    let tcp = Isometry3::identity();
+    let inverse = Inverse::new(&arm, &tcp);
+    // outwards, the hand at right angles to the arm
+    let target = |radius: f64| Isometry3::new(Vector3::new(radius, 0.0, 0.45), Vector3::new(1.2, 0.0, 0.0));
+    let mut ends = [0, 0];
+    for solution in all(&arm, &target(0.6), &tcp, None).solutions {
+        let mut q = solution.position;
+        let (radius, end) = (0..2000)
+            .map(|step| 0.6 + 0.001 * f64::from(step))
+            .find_map(|radius| match inverse.follow(&target(radius), &q) {
+                Ok(next) => {
+                    q = next;
+                    None
+                }
+                Err(error) => Some((radius, error)),
+            })
+            .unwrap();
+        // stretched: from the shoulder to the wrist centre
+        let stretched = 0.59 + libm::sqrt(0.13 * 0.13 + 0.647 * 0.647);
+        match end {
+            Unreachable::Singular {
+                position_gap,
+                smallest_singular_value,
+                ..
+            } => {
+                ends[0] += 1;
+                assert!((radius - (stretched - 0.15)).abs() < 0.01, "{radius}");
+                assert!(position_gap < 2e-3 && smallest_singular_value < 0.05);
+            }
+            Unreachable::OutOfReach { .. } => {
+                ends[1] += 1;
+                assert!((radius - (stretched + 0.15)).abs() < 0.01, "{radius}");
+            }
+            other @ Unreachable::JointRange { .. } => panic!("{other}"),
+        }
+    }
+    assert_eq!(ends, [4, 4]);
+}
+
+#[test]
+fn no_pose_and_no_reference_stops_the_service() {
+    for arm in [arms::ur5e(), arms::puma(), arms::fr3(), arms::scara(), robot(planar())] {
+        let count = arm.joint_count();
+        for value in [f64::NAN, f64::INFINITY, 1e300, 1e5] {
+            let pose = Isometry3::translation(value, 0.0, 0.3);
+            assert!(solutions(&arm, &pose, &tool(), None, Turns::Every).is_err());
+            assert!(nearest(&arm, &pose, &tool(), &vec![value; count]).is_err());
+            let near = pose_at_middle(&arm);
+            nearest(&arm, &near, &tool(), &vec![value; count]).ok();
+            solutions(&arm, &near, &tool(), Some(&[value]), Turns::Every).ok();
+        }
+    }
+}
+
+fn pose_at_middle(arm: &Robot) -> Isometry3<f64> {
+    pose(arm, &draw(arm, &mut 7), &tool())
 }
