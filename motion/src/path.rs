@@ -15,8 +15,10 @@
 mod answer;
 mod arm;
 mod build;
+mod chain;
 mod check;
 mod circle;
+mod constant;
 mod corner;
 mod evidence;
 mod extent;

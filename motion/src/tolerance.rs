@@ -485,3 +485,9 @@ pub(crate) const HALVINGS: usize = 50;
 /// Rounds of lowering the speed until every transition keeps the tool's acceleration; the second nearly always
 /// confirms the first.
 pub(crate) const GENTLE_ROUNDS: usize = 8;
+
+/// Rounds of lowering a constant speed until the arm can follow; torque limits near singularities take a few.
+pub(crate) const CONSTANT_SLOW_ROUNDS: usize = 40;
+
+/// Fewest intervals that the verifier samples of each stretch and transition at constant speed.
+pub(crate) const CONSTANT_PARTS_MIN: usize = 16;

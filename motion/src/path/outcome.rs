@@ -113,6 +113,24 @@ pub enum PathLimit {
     Rest,
 }
 
+impl PathLimit {
+    /// In words.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Torque => "torque",
+            Self::Velocity => "speed",
+            Self::Acceleration => "acceleration",
+            Self::Jerk => "jerk",
+            Self::PositionLower | Self::PositionUpper => "position",
+            Self::ToolVelocity => "tool speed",
+            Self::ToolAcceleration => "tool acceleration",
+            Self::ConstantSpeed => "constant speed",
+            Self::Rest => "rest",
+        }
+    }
+}
+
 /// The tightest moment of one limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PathLimitUse {

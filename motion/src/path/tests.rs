@@ -1,5 +1,6 @@
+mod constant;
 mod joint;
-mod plan;
 mod mixed;
+mod plan;
 mod support;
 mod tool;
