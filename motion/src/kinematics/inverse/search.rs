@@ -70,10 +70,10 @@ pub(super) fn from_candidates(
             return;
         }
         if is_free {
-            ranges::unwind(ranges, &mut q, reference);
-            newton.attract(&mut q, reference);
+            settle(newton, ranges, &mut q, reference);
+        } else {
+            ranges::fit(ranges, &mut q, reference);
         }
-        ranges::fit(ranges, &mut q, reference);
         if !is_known(ranges, &solutions, &q) {
             solutions.push(q);
         }
@@ -146,13 +146,21 @@ fn place(k: usize, screws: &Screws, ranges: &[Range], reference: &[f64]) -> Vec<
         .collect()
 }
 
-/// Moves a solution nearest to the reference, as far as the pose leaves it free, and into the ranges. Returns the work
-/// done.
+/// Moves a solution nearest to the reference, as far as the pose leaves it free, and into the ranges; where that leads out
+/// of them, and it was within, it stays where it was. Returns the work done.
 fn settle(newton: &mut Newton<'_>, ranges: &[Range], q: &mut Vec<f64>, reference: &[f64]) -> usize {
     ranges::unwind(ranges, q, reference);
-    let work = newton.attract(q, reference).work;
+    let mut before = q.clone();
+    let mut work = newton.attract(q, reference).work;
     ranges::fit(ranges, q, reference);
-    work + keep_within(newton, ranges, q, reference)
+    work += keep_within(newton, ranges, q, reference);
+    if ranges::worst(ranges, q).is_some() {
+        ranges::fit(ranges, &mut before, reference);
+        if ranges::worst(ranges, &before).is_none() {
+            *q = before;
+        }
+    }
+    work
 }
 
 /// Joints that would leave their ranges, and need not, are held at the end of them, one after the other, while the others
