@@ -162,7 +162,7 @@ pub(crate) const IK_PATIENCE_NEAR: usize = 12;
 pub(crate) const IK_NEAR: f64 = 0.5;
 
 /// Steps times joints that end the search: some milliseconds.
-pub(crate) const IK_WORK: usize = 40_000;
+pub(crate) const IK_WORK: usize = 20_000;
 
 /// Most copies by whole turns of all solutions together.
 pub(crate) const IK_COPIES_MAX: usize = 1024;
