@@ -13,6 +13,7 @@
 //! its derivatives, in Taylor arithmetic ([`crate::jet`]): nothing is interpolated between samples.
 
 mod arm;
+mod band;
 mod build;
 mod check;
 mod circle;
@@ -24,14 +25,17 @@ mod follow;
 mod guided;
 mod inverse;
 pub mod outcome;
+mod pace;
 mod passage;
 mod piecewise;
 mod report;
 pub mod request;
 mod shape;
+mod spline;
 mod square;
 mod stroke;
 mod taught;
+mod taught_spline;
 mod tool;
 mod track;
 mod weight;

@@ -259,3 +259,7 @@ pub(crate) const BLEND_ANGLE_MAX: f64 = 3.0;
 
 /// Rounds of a golden section about the sample of a blend that is furthest off: a hundredth of the step between samples.
 pub(crate) const DEVIATION_ROUNDS: usize = 12;
+
+/// What a turn of one radian counts as, m, where the knots of a spline of the tool are spaced: the reach of a hand-held
+/// tool, so that a turn takes about the time of the way that such a tool's tip makes.
+pub(crate) const TURN_LENGTH: f64 = 0.1;

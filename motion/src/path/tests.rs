@@ -1,4 +1,5 @@
 mod joint;
 mod mixed;
+mod spline;
 mod support;
 mod tool;
