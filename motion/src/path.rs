@@ -14,6 +14,7 @@
 
 mod answer;
 mod arm;
+mod band;
 mod build;
 mod chain;
 mod check;
@@ -27,6 +28,7 @@ mod follow;
 mod guided;
 mod inverse;
 pub mod outcome;
+mod pace;
 mod passage;
 mod piecewise;
 mod plan;
@@ -35,9 +37,11 @@ mod report;
 pub mod request;
 mod sample;
 mod shape;
+mod spline;
 mod square;
 mod stroke;
 mod taught;
+mod taught_spline;
 mod tool;
 mod track;
 mod verify;

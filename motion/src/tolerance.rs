@@ -491,3 +491,7 @@ pub(crate) const CONSTANT_SLOW_ROUNDS: usize = 40;
 
 /// Fewest intervals that the verifier samples of each stretch and transition at constant speed.
 pub(crate) const CONSTANT_PARTS_MIN: usize = 16;
+
+/// What a turn of one radian counts as, m, where the knots of a spline of the tool are spaced: the reach of a hand-held
+/// tool, so that a turn takes about the time of the way that such a tool's tip makes.
+pub(crate) const TURN_LENGTH: f64 = 0.1;

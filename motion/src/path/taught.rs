@@ -9,7 +9,7 @@ use super::circle;
 use super::fault::Fault;
 use super::guided::{Guided, Led};
 use super::piecewise::Piecewise;
-use super::request::{Arc, ArcOrientation, Circle, PathRequest, Shape, Target};
+use super::request::{Arc, ArcOrientation, Circle, PathRequest, Shape, Space, Target};
 use super::shape::{ToolCurve, Turn};
 use super::track::Track;
 use crate::budget::Budget;
@@ -69,9 +69,16 @@ impl<'a> Teacher<'a> {
                     .filter(|_| arc.orientation == ArcOrientation::Interpolated);
                 (self.arc(&format!("segments[{segment}].arc"), arc)?, target)
             }
-            Shape::Spline(_) => {
-                let message = "splines cannot be planned so far";
-                return Err(Fault::invalid(format!("segments[{segment}]"), message));
+            Shape::Spline(spline) => {
+                let path = format!("segments[{segment}].spline");
+                let curve = match spline.space {
+                    Space::Joint => return self.joint_spline(segment, &path, spline),
+                    Space::Tool => self.tool_spline(&path, spline)?,
+                };
+                let Some(curve) = curve else { return Ok(None) };
+                let track = self.guided(segment, curve, spline.points.last(), warnings, budget)?;
+                self.check_pace(&path, &track)?;
+                return Ok(Some(track));
             }
         };
         if curve.is_shorter_than(SEGMENT_MIN) {
@@ -232,7 +239,7 @@ impl<'a> Teacher<'a> {
     }
 
     fn joint(&mut self, segment: usize, target: &Target) -> Result<Option<Track>, Fault> {
-        let end = self.joints_of(segment, target)?;
+        let end = self.joints_of(segment, target, &self.q)?;
         let travel = self.q.iter().zip(&end).map(|(from, to)| (to - from).abs());
         if travel.fold(0.0, f64::max) < SEGMENT_MIN {
             return Ok(None);
@@ -245,24 +252,24 @@ impl<'a> Teacher<'a> {
     }
 
     /// Where the tool is.
-    fn pose(&self) -> Isometry3<f64> {
+    pub(super) fn pose(&self) -> Isometry3<f64> {
         kinematics::pose(self.robot, &self.q, self.tcp)
     }
 
-    /// The joint positions of a taught point; of a pose, those nearest to where the arm is.
-    fn joints_of(&self, segment: usize, target: &Target) -> Result<Vec<f64>, Fault> {
+    /// The joint positions of a taught point; of a pose, those nearest to a reference.
+    pub(super) fn joints_of(&self, segment: usize, target: &Target, reference: &[f64]) -> Result<Vec<f64>, Fault> {
         match target {
             Target::Joints(positions) => Ok(positions.clone()),
             Target::Pose { .. } => {
                 let pose = self.pose_of(target);
-                let found = self.inverse.nearest(&pose, &self.q);
+                let found = self.inverse.nearest(&pose, reference);
                 found.map_err(|unreachable| self.missing(segment, unreachable).into())
             }
         }
     }
 
     /// The pose of a taught point in base-link axes.
-    fn pose_of(&self, target: &Target) -> Isometry3<f64> {
+    pub(super) fn pose_of(&self, target: &Target) -> Isometry3<f64> {
         match target {
             Target::Joints(positions) => kinematics::pose(self.robot, positions, self.tcp),
             Target::Pose { pose, frame } => self.frame(frame.as_deref()) * pose,

@@ -2,5 +2,6 @@ mod constant;
 mod joint;
 mod mixed;
 mod plan;
+mod spline;
 mod support;
 mod tool;
