@@ -162,3 +162,6 @@ pub(crate) const BOUNDARY_ROUNDS: usize = 12;
 /// Fewest intervals of a timing grid between two knots of the path: a blend, where accelerations rise and fall once or
 /// twice, has that many even if it is short.
 pub(crate) const SPAN_INTERVALS_MIN: usize = 8;
+
+/// The same where a speed at an end is given, so that slowing down evenly is no way out.
+pub(crate) const TIGHTEN_ROUNDS_MOVING: usize = 12;

@@ -131,3 +131,24 @@ fn rows_at_the_beginning_of_intervals_alone_break_limits() {
         assert!(verdict.worst >= worst - 1e-6, "{seed} {} {worst}", verdict.worst);
     }
 }
+
+/// Speeds at both ends, with friction.
+#[test]
+fn no_limit_is_broken_between_speeds_at_the_ends() {
+    for (name, arm) in [("ur5e", with_drives(&ur5e())), ("puma", with_drives(&puma560()))] {
+        let own = own_limits(&arm);
+        let speeds: Vec<f64> = own.joints.iter().map(|joint| joint.velocity.unwrap()).collect();
+        let limits = Limits::uniform(own);
+        for seed in 0..10 {
+            let curve = random_walk(6, 2, &speeds, 700 + seed);
+            let timing = timed(&arm, &curve, &limits, [0.3, 0.4], 200).unwrap();
+            let worst = worst_use(&arm, &curve, &limits, &timing.law, 4000, seed);
+            assert!(worst <= 1.0 - 1e-6 && worst > 0.99, "{name} {seed} {worst}");
+            let ends = [timing.law.at(0.0), timing.law.at(timing.law.duration())].map(|end| end.velocity);
+            assert!(
+                (ends[0] - 0.3).abs() < 1e-12 && (ends[1] - 0.4).abs() < 1e-12,
+                "{ends:?}"
+            );
+        }
+    }
+}
