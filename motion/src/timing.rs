@@ -17,6 +17,7 @@ pub(crate) mod grid;
 pub(crate) mod law;
 pub(crate) mod limiting;
 pub(crate) mod limits;
+pub mod measured;
 pub(crate) mod reach;
 pub(crate) mod rows;
 mod solve;
