@@ -315,8 +315,9 @@ pub(crate) const REACH_WIDTH: f64 = 1.0e-13;
 /// Rounds of Newton's method to the border of a set: it takes fewer than there are rows, three or four as a rule.
 pub(crate) const REACH_ROUNDS: usize = 100;
 
-/// Into how many parts the certificate of a timing divides an interval of its grid.
-pub(crate) const CHECK_PARTS: usize = 10;
+/// Into how many parts the certificate of a timing divides an interval of its grid: a multiple of [`TIMING_PARTS`]. What a
+/// cubic through neighbours leaves out is a fourth difference, some 1e-6 of a limit; ten parts find no more.
+pub(crate) const CHECK_PARTS: usize = 4;
 
 /// Fewest intervals that a path is timed with: fewer do not resolve one acceleration and one deceleration.
 pub(crate) const TIMING_INTERVALS_MIN: usize = 16;
@@ -495,3 +496,10 @@ pub(crate) const CONSTANT_PARTS_MIN: usize = 16;
 /// What a turn of one radian counts as, m, where the knots of a spline of the tool are spaced: the reach of a hand-held
 /// tool, so that a turn takes about the time of the way that such a tool's tip makes.
 pub(crate) const TURN_LENGTH: f64 = 0.1;
+
+/// Fewest intervals of a timing grid between two knots of the path: a blend, where accelerations rise and fall once or
+/// twice, has that many even if it is short.
+pub(crate) const SPAN_INTERVALS_MIN: usize = 8;
+
+/// The same where a speed at an end is given, so that slowing down evenly is no way out.
+pub(crate) const TIGHTEN_ROUNDS_MOVING: usize = 12;
