@@ -184,7 +184,10 @@ mod tests {
                 }
             }
         }
-        let ends = [(1, nodes[1], nodes[1], 1.0), (count - 2, nodes[count - 1], nodes[count] - nodes[count - 1], -1.0)];
+        let ends = [
+            (1, nodes[1], nodes[1], 1.0),
+            (count - 2, nodes[count - 1], nodes[count] - nodes[count - 1], -1.0),
+        ];
         for (interval, s, h, direction) in ends {
             let [a, b, c] = basis.form(interval, s).apply(&x);
             let expected = rest::inner_end(h, direction).map(|form| form * a);

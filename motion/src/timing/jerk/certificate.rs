@@ -13,8 +13,8 @@ use crate::budget::{Budget, Stopped};
 use crate::curve::Side;
 use crate::timing::coefficients::Coefficients;
 use crate::timing::grid::Place;
-use crate::timing::{Obstacle, Task, standstill};
 use crate::timing::limits::{JointLimits, Limits};
+use crate::timing::{Obstacle, Task, standstill};
 use crate::tolerance::{CERTIFIED, JERK_TIGHTEN_MIN, JERK_TIGHTEN_TO};
 
 /// Points of an interval.
@@ -89,7 +89,8 @@ impl<'a> Certificate<'a> {
         for (interval, rates) in self.rates.iter_mut().enumerate() {
             for k in 0..POINTS {
                 let [square, acceleration, jerk] = profile.rates(interval, part(k));
-                let is_rest = (interval == 0 && k == 0) || (interval + 1 == profile.interval_count() && k + 1 == POINTS);
+                let is_rest =
+                    (interval == 0 && k == 0) || (interval + 1 == profile.interval_count() && k + 1 == POINTS);
                 if !is_rest && (square.is_nan() || square <= 0.0) {
                     return None;
                 }

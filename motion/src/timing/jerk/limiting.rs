@@ -11,7 +11,9 @@ impl Certificate<'_> {
     /// The tightest limit in the middle of each interval, of the profile that was measured last.
     pub(crate) fn limiting(&self) -> Vec<Limiting> {
         let intervals = self.rates.iter().enumerate();
-        intervals.map(|(interval, rates)| self.tightest(interval, rates)).collect()
+        intervals
+            .map(|(interval, rates)| self.tightest(interval, rates))
+            .collect()
     }
 
     fn tightest(&self, interval: usize, rates: &Rates) -> Limiting {
@@ -32,7 +34,12 @@ impl Certificate<'_> {
             let [q1, q2, q3] = [&at.terms.first, &at.terms.second, &at.third].map(|column| column[entry]);
             let (of, terms) = (Some(joint), &at.terms);
             add(PathLimit::Velocity, of, q1 * velocity, limits.velocity);
-            add(PathLimit::Acceleration, of, q1 * acceleration + q2 * square, limits.acceleration);
+            add(
+                PathLimit::Acceleration,
+                of,
+                q1 * acceleration + q2 * square,
+                limits.acceleration,
+            );
             let third = q1 * jerk + 3.0 * q2 * velocity * acceleration + q3 * velocity * square;
             add(PathLimit::Jerk, of, third, limits.jerk);
             let smooth = terms.mass[entry] * acceleration
@@ -46,8 +53,18 @@ impl Certificate<'_> {
         if stretch.tool_velocity.is_some() || stretch.tool_acceleration.is_some() {
             let (p1, p2) = (at.tool_first(place), at.tool_second(place));
             let bend: [f64; 3] = std::array::from_fn(|axis| p1[axis] * acceleration + p2[axis] * square);
-            add(PathLimit::ToolVelocity, None, length(p1) * velocity, stretch.tool_velocity);
-            add(PathLimit::ToolAcceleration, None, length(bend), stretch.tool_acceleration);
+            add(
+                PathLimit::ToolVelocity,
+                None,
+                length(p1) * velocity,
+                stretch.tool_velocity,
+            );
+            add(
+                PathLimit::ToolAcceleration,
+                None,
+                length(bend),
+                stretch.tool_acceleration,
+            );
         }
         tightest
     }
