@@ -37,7 +37,7 @@ use grid::{Grid, even, fixed_nodes};
 use law::TimeLaw;
 use limiting::Limiting;
 use limits::Limits;
-use rows::Rooms;
+use rows::{Rooms, RowPlaces};
 use solve::Problem;
 
 /// What is timed.
@@ -102,18 +102,18 @@ pub(crate) fn optimal(task: &Task<'_>, budget: &Budget<'_>) -> Result<Result<Tim
     }
     let fixed = fixed_nodes(task.curve, task.limits);
     let intervals = task.intervals.max(TIMING_INTERVALS_MIN);
-    let coarse = Grid::new(even(&fixed, intervals / 2), &fixed, TIMING_PARTS);
-    let first = match solve(task, coarse, None, budget)? {
+    let coarse = Grid::new(even(&fixed, intervals / 2), &fixed, 1);
+    let first = match solve(task, coarse, 1, None, budget)? {
         Ok(solved) => solved,
         Err(obstacle) => return Ok(Err(obstacle)),
     };
     let nodes = solve::graded(&fixed, intervals, &first.problem.grid.nodes, &first.squares);
-    let grid = Grid::new(nodes, &fixed, TIMING_PARTS);
-    let solved = match solve(task, grid, Some(&first), budget)? {
+    let grid = Grid::new(nodes, &fixed, CHECK_PARTS);
+    let solved = match solve(task, grid, TIMING_PARTS, Some(&first), budget)? {
         Ok(solved) => solved,
         Err(obstacle) => return Ok(Err(obstacle)),
     };
-    certify(task, &fixed, solved, budget)
+    certify(task, solved, budget)
 }
 
 /// A problem on a grid, and its solution.
@@ -126,18 +126,27 @@ struct Solved<'a> {
 fn solve<'a>(
     task: &Task<'a>,
     grid: Grid,
+    parts: usize,
     known: Option<&Solved<'_>>,
     budget: &Budget<'_>,
 ) -> Result<Result<Solved<'a>, Obstacle>, Stopped> {
-    let coefficients = compute(task, &grid, budget)?;
-    if let Some(obstacle) = standstill::obstacle(&coefficients, task.limits) {
+    let Task {
+        robot,
+        tcp,
+        curve,
+        limits,
+        ..
+    } = *task;
+    let coefficients = Coefficients::compute(robot, tcp, curve, limits, &grid.places, budget)?;
+    if let Some(obstacle) = standstill::obstacle(&coefficients, limits) {
         return Ok(Err(obstacle));
     }
     let rooms = Rooms::full(&coefficients);
     let problem = Problem {
+        rows: RowPlaces::new(&grid, parts),
         grid,
         coefficients,
-        limits: task.limits,
+        limits,
         ends: task.end_speeds.map(|speed| speed * speed),
     };
     let reference = known.map(|known| problem.reference(&known.problem.grid.nodes, &known.squares));
@@ -148,26 +157,12 @@ fn solve<'a>(
     })
 }
 
-fn compute(task: &Task<'_>, grid: &Grid, budget: &Budget<'_>) -> Result<Coefficients, Stopped> {
-    Coefficients::compute(task.robot, task.tcp, task.curve, task.limits, &grid.places, budget)
-}
-
 /// Makes a solution keep every limit between its samples.
-fn certify(
-    task: &Task<'_>,
-    fixed: &[f64],
-    solved: Solved<'_>,
-    budget: &Budget<'_>,
-) -> Result<Result<Timing, Obstacle>, Stopped> {
+fn certify(task: &Task<'_>, solved: Solved<'_>, budget: &Budget<'_>) -> Result<Result<Timing, Obstacle>, Stopped> {
     let Solved { problem, mut squares } = solved;
-    let grid = Grid::new(problem.grid.nodes.clone(), fixed, CHECK_PARTS);
-    let coefficients = compute(task, &grid, budget)?;
-    if let Some(obstacle) = standstill::obstacle(&coefficients, task.limits) {
-        return Ok(Err(obstacle));
-    }
     let certificate = Certificate {
-        grid,
-        coefficients,
+        grid: &problem.grid,
+        coefficients: &problem.coefficients,
         limits: task.limits,
     };
     let mut rooms = Rooms::full(&problem.coefficients);

@@ -168,8 +168,9 @@ pub(crate) const REACH_WIDTH: f64 = 1.0e-13;
 /// Rounds of Newton's method to the border of a set: it takes fewer than there are rows, three or four as a rule.
 pub(crate) const REACH_ROUNDS: usize = 100;
 
-/// Into how many parts the certificate of a timing divides an interval of its grid.
-pub(crate) const CHECK_PARTS: usize = 10;
+/// Into how many parts the certificate of a timing divides an interval of its grid: a multiple of [`TIMING_PARTS`]. What a
+/// cubic through neighbours leaves out is a fourth difference, some 1e-6 of a limit; ten parts find no more.
+pub(crate) const CHECK_PARTS: usize = 4;
 
 /// Fewest intervals that a path is timed with: fewer do not resolve one acceleration and one deceleration.
 pub(crate) const TIMING_INTERVALS_MIN: usize = 16;
@@ -202,3 +203,7 @@ pub(crate) const GRID_EVEN_SHARE: f64 = 0.5;
 
 /// Rounds of bisection for the largest speed at the end of a path: evidence to a thousandth.
 pub(crate) const BOUNDARY_ROUNDS: usize = 12;
+
+/// Fewest intervals of a timing grid between two knots of the path: a blend, where accelerations rise and fall once or
+/// twice, has that many even if it is short.
+pub(crate) const SPAN_INTERVALS_MIN: usize = 8;

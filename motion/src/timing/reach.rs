@@ -23,15 +23,12 @@ const BUDGET_EVERY: usize = 64;
 /// Why no timing was found: a speed at an end of the path cannot be had.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Unreachable {
-    /// From none of the a at this node can the end be reached at its speed.
-    End {
-        /// The node after which it can.
-        node: usize,
-    },
-    /// The start's a is outside of what can be had there.
+    /// The end cannot be reached as fast as is asked.
+    End,
+    /// The start is too fast for what follows.
     Start {
-        /// The nearest a that can.
-        nearest: f64,
+        /// The largest a that is not.
+        largest: f64,
     },
 }
 
@@ -99,20 +96,20 @@ impl Interval {
         }
     }
 
-    /// Rows of all samples of an interval. The last sample's a is not bounded here: what can be had there is.
-    fn fill(&mut self, grid: &Grid, rows: &Rows, interval: usize) {
+    /// Rows of all places of an interval. The last one's a is not bounded here: what can be had there is.
+    fn fill(&mut self, grid: &Grid, rows: &Rows<'_>, interval: usize) {
         self.upper.clear();
         self.lower.clear();
-        let first = grid.first[interval];
+        let (first, parts) = (rows.places.first[interval], rows.places.parts);
         self.cap = rows.speed_bound[first];
-        let step = 2.0 * grid.step(interval) / grid.parts as f64;
-        for part in 0..=grid.parts {
+        let step = 2.0 * grid.step(interval) / parts as f64;
+        for part in 0..=parts {
             let reach = step * part as f64;
             for pair in rows.at(first + part) {
                 self.push(pair.a[0], pair.b + reach * pair.a[0], pair.c[0]);
                 self.push(pair.a[1], reach * pair.a[1] - pair.b, pair.c[1]);
             }
-            if part > 0 && part < grid.parts {
+            if part > 0 && part < parts {
                 // 0 ≤ a + reach·b ≤ bound
                 let scale = 1.0 / reach;
                 self.upper.push(rows.speed_bound[first + part] * scale, scale);
@@ -159,14 +156,14 @@ impl Interval {
 /// [`Stopped`], when nobody waits any more.
 pub(crate) fn fastest(
     grid: &Grid,
-    rows: &Rows,
+    rows: &Rows<'_>,
     ends: [f64; 2],
     budget: &Budget<'_>,
 ) -> Result<Result<Vec<f64>, Unreachable>, Stopped> {
     let count = grid.interval_count();
     let at_end = rows.speed_bound.last().copied().unwrap_or(0.0);
     if ends[1] > at_end {
-        return Ok(Err(Unreachable::End { node: count }));
+        return Ok(Err(Unreachable::End));
     }
     let mut sets = vec![[ends[1]; 2]; count + 1];
     // the upper lines of every interval, and where each one's begin: for the way forwards
@@ -179,13 +176,15 @@ pub(crate) fn fastest(
         }
         interval.fill(grid, rows, i);
         interval.end_within(grid.step(i), sets[i + 1]);
-        // the sample before a node may be bound more tightly than the one after it
+        // the place before a node may be bound more tightly than the one after it
         let high = match i.checked_sub(1) {
-            Some(before) => interval.cap.min(rows.speed_bound[grid.first[before] + grid.parts]),
+            Some(before) => interval
+                .cap
+                .min(rows.speed_bound[rows.places.first[before] + rows.places.parts]),
             None => interval.cap,
         };
         let Some(high) = interval.border(high, true) else {
-            return Ok(Err(Unreachable::End { node: i + 1 }));
+            return Ok(Err(Unreachable::End));
         };
         let low = if sets[i + 1][0] > 0.0 {
             interval.border(0.0, false).unwrap_or(high).min(high)
@@ -199,9 +198,11 @@ pub(crate) fn fastest(
         ranges[i] = begin..kept.slope.len();
     }
     let [low, high] = sets[0];
-    if ends[0] < low || ends[0] > high {
-        let nearest = ends[0].clamp(low, high);
-        return Ok(Err(Unreachable::Start { nearest }));
+    if ends[0] > high {
+        return Ok(Err(Unreachable::Start { largest: high }));
+    }
+    if ends[0] < low {
+        return Ok(Err(Unreachable::End));
     }
     let mut squares = vec![ends[0]; count + 1];
     for i in 0..count {
