@@ -13,6 +13,7 @@ use crate::timing::test_curves::{Polynomials, puma560, random_walk, ur5e};
 use crate::timing::tests::own_limits;
 
 mod check;
+mod iterates;
 mod oracle;
 
 use check::worst_uses;
@@ -215,11 +216,11 @@ fn limits_hold_stretch_by_stretch() {
 fn refinement_changes_little() {
     let arm = with_drives(&ur5e());
     let limits = Limits::uniform(with_jerk(own_limits(&arm), 15.0, 150.0));
-    for seed in [1, 2] {
+    for seed in [1, 2, 3, 4] {
         let curve = random_walk(6, 3, &[3.1; 6], seed);
         let duration = |intervals| timed(&arm, &curve, &limits, intervals).unwrap().law.duration();
         let (coarse, fine) = (duration(400), duration(1600));
-        assert!(fine < coarse && coarse < 1.006 * fine, "{coarse} {fine}");
+        assert!(fine < coarse && coarse < 1.004 * fine, "{coarse} {fine}");
     }
 }
 
