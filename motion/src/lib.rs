@@ -35,7 +35,7 @@ mod jet;
 pub mod kinematics;
 pub mod path;
 pub mod plan;
-#[allow(dead_code, reason = "the path planner under construction")]
+#[allow(dead_code, unused_imports, reason = "the path planner under construction")]
 pub mod process;
 pub mod robot;
 mod scalar;
