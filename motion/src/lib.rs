@@ -36,7 +36,7 @@ pub mod kinematics;
 #[allow(dead_code, unused_imports, reason = "the path planner under construction")]
 pub mod path;
 pub mod plan;
-#[allow(dead_code, reason = "the path planner under construction")]
+#[allow(dead_code, unused_imports, reason = "the path planner under construction")]
 pub mod process;
 pub mod robot;
 mod scalar;

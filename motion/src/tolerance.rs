@@ -480,6 +480,9 @@ pub(crate) const TRANSITION_SAMPLES: usize = 64;
 /// Steps of the golden-section search between two samples: they shorten 1/32 to 3e-12, the error at a kink.
 pub(crate) const GOLDEN_STEPS: usize = 48;
 
+/// How close the deviation of a shortened transition is to its tolerance, as part of that.
+pub(crate) const REACH_CLOSE: f64 = 1.0e-6;
+
 /// Halvings in the search for a reach or a speed: to rounding.
 pub(crate) const HALVINGS: usize = 50;
 
