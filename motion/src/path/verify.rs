@@ -257,7 +257,9 @@ impl<'a> Examiner<'a> {
         let (kind, joint) = self.channel(channel);
         let range = || {
             let [lower, upper] = joint.map_or([None; 2], |joint| self.ranges[joint]);
-            lower.zip(upper).map_or(1.0, |(lower, upper)| (upper - lower).max(f64::MIN_POSITIVE))
+            lower
+                .zip(upper)
+                .map_or(1.0, |(lower, upper)| (upper - lower).max(f64::MIN_POSITIVE))
         };
         match kind {
             PathLimit::PositionLower => 1.0 + (limit - value) / range(),
@@ -289,7 +291,11 @@ impl<'a> Examiner<'a> {
                     self.sweep.acceleration[entry] = self.state.acceleration[joint];
                 }
                 let tool = bounds_tool.then(|| self.tool());
-                fill(&self.state, tool, &mut self.values[sample * channels..(sample + 1) * channels]);
+                fill(
+                    &self.state,
+                    tool,
+                    &mut self.values[sample * channels..(sample + 1) * channels],
+                );
                 self.places.push(self.state.s);
                 self.times.push(time);
             }
@@ -303,7 +309,13 @@ impl<'a> Examiner<'a> {
 
     fn tool(&self) -> ToolMotion {
         let state = &self.state;
-        kinematics::tool_motion(self.robot, &state.position, &state.velocity, &state.acceleration, self.tcp)
+        kinematics::tool_motion(
+            self.robot,
+            &state.position,
+            &state.velocity,
+            &state.acceleration,
+            self.tcp,
+        )
     }
 
     /// Completes the rigid bodies' torques by the drives', and keeps what slower overrides need.
@@ -491,7 +503,10 @@ impl<'a> Examiner<'a> {
         let drive = self.robot.drives()[joint];
         for sample in first..first + PARTS {
             let column = self.sweep.column(joint);
-            let (before, after) = (self.sweep.velocity[column + sample], self.sweep.velocity[column + sample + 1]);
+            let (before, after) = (
+                self.sweep.velocity[column + sample],
+                self.sweep.velocity[column + sample + 1],
+            );
             if before * after >= 0.0 {
                 continue;
             }
