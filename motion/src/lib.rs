@@ -33,8 +33,11 @@ pub mod error;
 #[allow(dead_code, reason = "the path planner under construction")]
 mod jet;
 pub mod kinematics;
+#[allow(dead_code, unused_imports, reason = "the path planner under construction")]
 pub mod path;
 pub mod plan;
+#[allow(dead_code, reason = "the path planner under construction")]
+pub mod process;
 pub mod robot;
 mod scalar;
 #[cfg(test)]
@@ -47,4 +50,7 @@ mod verify;
 
 pub use error::Invalid;
 pub use nalgebra;
-pub use tolerance::{DURATION_MAX, POSITION_MAX, SETPOINTS_MAX, TRAJECTORY_POINTS_MAX, TRAVEL_MAX};
+pub use tolerance::{
+    BEZIER_POINTS_MAX, DURATION_MAX, POSITION_MAX, SEGMENTS_MAX, SETPOINTS_MAX, SPLINE_POINTS_MAX, TARGETS_MAX,
+    TRAJECTORY_POINTS_MAX, TRAVEL_MAX,
+};

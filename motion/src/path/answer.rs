@@ -9,7 +9,7 @@ use super::request::PathRequest;
 use super::sample;
 use super::stroke::Stroke;
 use crate::budget::Budget;
-use crate::curve::{Curve, CurvePoint, Side};
+use crate::curve::Curve;
 use crate::dynamics::{self, Workspace};
 use crate::plan::Failure;
 use crate::plan::margin;
@@ -32,14 +32,7 @@ pub(super) struct Parts<'a> {
 
 impl Parts<'_> {
     pub(super) fn assemble(mut self, budget: &Budget<'_>) -> Result<PathPlan, Failure> {
-        let setpoints = sample::setpoints(
-            self.problem,
-            self.strokes,
-            &self.request.start,
-            self.duration,
-            self.request.sampling,
-            budget,
-        )?;
+        let setpoints = sample::setpoints(self.problem, self.request, self.strokes, self.duration, budget)?;
         let limiting = self.limiting();
         Ok(PathPlan {
             duration: self.duration,
@@ -112,7 +105,7 @@ impl Parts<'_> {
                 sum.peak_velocity = sum.peak_velocity.max(demand.peak_velocity);
                 sum.peak_power = sum.peak_power.max(demand.peak_power);
             }
-            let end = end_of(&timed.stroke);
+            let end = timed.rest(self.request);
             self.add_rest(&end, timed.dwell, &mut demands);
             rests.push((timed.end(), end));
         }
@@ -226,7 +219,11 @@ impl Parts<'_> {
             }
             if timed.dwell > 0.0 {
                 let end = timed.end();
-                add(rest(end, end + timed.dwell, timed.stroke.location(timed.stroke.length())));
+                add(rest(
+                    end,
+                    end + timed.dwell,
+                    timed.stroke.location(timed.stroke.length()),
+                ));
             }
         }
         stretches
@@ -263,13 +260,6 @@ fn costs(limiting: &[LimitingStretch]) -> Vec<LimitCost> {
     }
     costs.sort_by(|a, b| b.time.total_cmp(&a.time));
     costs
-}
-
-/// The joints at the end of a stroke.
-fn end_of(stroke: &Stroke) -> Vec<f64> {
-    let mut point = CurvePoint::new(stroke.joint_count());
-    stroke.evaluate(stroke.length(), Side::Before, &mut point);
-    point.position
 }
 
 /// The path position of a location, which grows with it, by bisection.

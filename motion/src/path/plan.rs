@@ -4,7 +4,7 @@ use super::answer;
 use super::fault::infeasible;
 use super::outcome::{Location, PathInfeasible, PathInfeasibleReason, PathLimit, PathOutcome};
 use super::problem::Problem;
-use super::request::{PathRequest, Timing};
+use super::request::{PathRequest, Shape, Space, Target, Timing};
 use super::stroke::Stroke;
 use super::verify::{Examined, Tightest, Timed, examine};
 use super::{Program, build};
@@ -16,8 +16,10 @@ use crate::plan::request::Sampling;
 use crate::robot::Robot;
 use crate::timing::law::TimeLaw;
 use crate::timing::limits::Limits;
-use crate::timing::{self, Obstacle};
-use crate::tolerance::{DURATION_MAX, PATH_SLOW_RESERVE, PATH_SLOW_ROUNDS, SETPOINTS_MAX, TRAVEL_MIN};
+use crate::timing::{self, Obstacle, Task};
+use crate::tolerance::{
+    DURATION_MAX, PATH_SLOW_RESERVE, PATH_SLOW_ROUNDS, SETPOINTS_MAX, TIMING_INTERVALS, TRAVEL_MIN,
+};
 
 /// A stroke, timed and verified.
 #[derive(Debug)]
@@ -36,6 +38,18 @@ impl TimedStroke {
     /// When it ends, before the dwell.
     pub(super) fn end(&self) -> f64 {
         self.begin + self.law.duration()
+    }
+
+    /// Where the arm stands after it: the taught joints themselves, not what rounding makes of them.
+    pub(super) fn rest(&self, request: &PathRequest) -> Vec<f64> {
+        let last = self.stroke.spans().last();
+        let target = last.and_then(|span| request.segments[span.segment].shape.target());
+        if let Some(Target::Joints(joints)) = target {
+            return joints.clone();
+        }
+        let mut point = CurvePoint::new(self.stroke.joint_count());
+        self.stroke.evaluate(self.stroke.length(), Side::Before, &mut point);
+        point.position
     }
 }
 
@@ -74,7 +88,8 @@ pub fn plan_path(robot: &Robot, request: &PathRequest, budget: &Budget<'_>) -> R
     for (index, stroke) in strokes.into_iter().enumerate() {
         let start = request.start_speed.filter(|_| index == 0);
         let end = request.end_speed.filter(|_| index == last);
-        let speeds = [rate(&problem, &stroke, 0.0, start), rate(&problem, &stroke, stroke.length(), end)];
+        let speeds =
+            [(0.0, start), (stroke.length(), end)].map(|(s, speed)| rate(&problem, request, &stroke, s, speed));
         let stroke = match time(&problem, stroke, speeds, begin, cycle, budget)? {
             Ok(stroke) => stroke,
             Err(infeasible) => return Ok(PathOutcome::Infeasible(infeasible)),
@@ -98,18 +113,21 @@ pub fn plan_path(robot: &Robot, request: &PathRequest, budget: &Budget<'_>) -> R
     Ok(PathOutcome::Plan(Box::new(answer.assemble(budget)?)))
 }
 
-/// Path speed that gives the tool, or where it stands still the fastest joint, a speed.
-fn rate(problem: &Problem, stroke: &Stroke, s: f64, speed: Option<f64>) -> f64 {
+/// Path speed that gives the tool a speed, or the fastest joint where the path there is one of the joints.
+fn rate(problem: &Problem, request: &PathRequest, stroke: &Stroke, s: f64, speed: Option<f64>) -> f64 {
     let Some(speed) = speed else { return 0.0 };
     let mut point = CurvePoint::new(problem.robot.joint_count());
     stroke.evaluate(s, Side::After, &mut point);
-    let tool = if stroke.moves_tool_at(s) {
-        stroke.tool(&point).first.norm()
-    } else {
-        0.0
+    let of_joints = match &request.segments[stroke.location(s).segment].shape {
+        Shape::Joint { .. } => true,
+        Shape::Spline(spline) => spline.space == Space::Joint,
+        Shape::Line { .. } | Shape::Arc(_) => false,
     };
-    let joints = point.first.iter().fold(0.0, |most: f64, rate| most.max(rate.abs()));
-    let unit = if tool > TRAVEL_MIN { tool } else { joints };
+    let unit = if of_joints {
+        point.first.iter().fold(0.0, |most: f64, rate| most.max(rate.abs()))
+    } else {
+        stroke.tool(&point).first.norm()
+    };
     if unit > TRAVEL_MIN { speed / unit } else { 0.0 }
 }
 
@@ -128,13 +146,21 @@ fn time(
     budget: &Budget<'_>,
 ) -> Result<Result<TimedStroke, PathInfeasible>, Failure> {
     let limits = problem.limits(&stroke);
-    let solver = if problem.limits_jerk(&stroke) {
-        timing::jerk_limited
-    } else {
-        timing::optimal
+    let task = Task {
+        robot: &problem.robot,
+        tcp: &problem.tcp,
+        curve: &stroke,
+        limits: &limits,
+        end_speeds: speeds,
+        intervals: TIMING_INTERVALS,
     };
-    let mut law = match solver(&problem.robot, &problem.tcp, &stroke, &limits, speeds, budget)? {
-        Ok(law) => law,
+    let timing = if problem.limits_jerk(&stroke) {
+        timing::jerk::jerk_limited(&task, budget)?
+    } else {
+        timing::optimal(&task, budget)?
+    };
+    let mut law = match timing {
+        Ok(timing) => timing.law,
         Err(obstacle) => return Ok(Err(refusal(&stroke, &obstacle))),
     };
     if let Some(cycle) = cycle
@@ -172,7 +198,11 @@ fn time(
         }
     }
     let why = "no timing was found that keeps every limit".to_owned();
-    Ok(Err(infeasible(PathInfeasibleReason::NoTiming, stroke.location(0.0), why)))
+    Ok(Err(infeasible(
+        PathInfeasibleReason::NoTiming,
+        stroke.location(0.0),
+        why,
+    )))
 }
 
 /// The limit that is broken most, if any is.
@@ -247,8 +277,19 @@ fn refusal(stroke: &Stroke, obstacle: &Obstacle) -> PathInfeasible {
         joint: obstacle.joint,
         needed: obstacle.needed,
         available: obstacle.available,
-        gravity_torque: obstacle.gravity,
-        ..infeasible(obstacle.reason, location, obstacle.suggestion())
+        gravity_torque: obstacle.gravity_torque,
+        ..infeasible(obstacle.reason, location, suggestion(obstacle.reason).to_owned())
+    }
+}
+
+/// What would make a path feasible.
+fn suggestion(reason: PathInfeasibleReason) -> &'static str {
+    match reason {
+        PathInfeasibleReason::HoldingTorque | PathInfeasibleReason::MovingTorque => {
+            "a lighter payload, a higher torque utilization, or a way on which gravity pulls less on this joint"
+        }
+        PathInfeasibleReason::BoundarySpeed => "a lower speed at the start or the end of the path",
+        _ => "looser limits, or a path without sharp bends",
     }
 }
 

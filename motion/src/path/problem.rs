@@ -110,7 +110,11 @@ impl Problem {
 
     fn warn(&mut self) {
         let joints = &self.robot.spec().joints;
-        let unchecked = self.joints.iter().zip(joints).filter(|(limit, _)| limit.torque.is_none());
+        let unchecked = self
+            .joints
+            .iter()
+            .zip(joints)
+            .filter(|(limit, _)| limit.torque.is_none());
         let unchecked: Vec<&str> = unchecked.map(|(_, joint)| joint.name.as_str()).collect();
         if !unchecked.is_empty() {
             self.warnings.push(format!(

@@ -116,6 +116,18 @@ pub enum Shape {
     Spline(Spline),
 }
 
+impl Shape {
+    /// Where the segment ends; `None`: a full circle, where it began.
+    #[must_use]
+    pub fn target(&self) -> Option<&Target> {
+        match self {
+            Self::Joint { target } | Self::Line { target } => Some(target),
+            Self::Arc(arc) => arc.target.as_ref(),
+            Self::Spline(spline) => spline.points.last(),
+        }
+    }
+}
+
 /// A taught point.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Target {

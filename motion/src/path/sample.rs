@@ -3,9 +3,10 @@
 use super::outcome::{Location, PathSetpoints};
 use super::plan::TimedStroke;
 use super::problem::Problem;
+use super::request::PathRequest;
 use super::verify::State;
 use crate::budget::Budget;
-use crate::curve::{Curve, CurvePoint, Side};
+use crate::curve::{Curve, Side};
 use crate::dynamics::sweep::Sweep;
 use crate::kinematics;
 use crate::plan::Failure;
@@ -18,13 +19,12 @@ const BLOCK: usize = 512;
 /// Samples a plan as asked; `None` where no samples were asked for.
 pub(super) fn setpoints(
     problem: &Problem,
+    request: &PathRequest,
     strokes: &[TimedStroke],
-    start: &[f64],
     duration: f64,
-    sampling: Sampling,
     budget: &Budget<'_>,
 ) -> Result<Option<PathSetpoints>, Failure> {
-    let times: Vec<f64> = match sampling {
+    let times: Vec<f64> = match request.sampling {
         Sampling::None => return Ok(None),
         Sampling::Period(period) => {
             let cycles = (duration / period).round() as usize;
@@ -35,7 +35,7 @@ pub(super) fn setpoints(
             (0..points).map(|k| (step * k as f64).min(duration)).collect()
         }
     };
-    let mut sampler = Sampler::new(problem, strokes, start);
+    let mut sampler = Sampler::new(problem, request, strokes);
     for block in times.chunks(BLOCK) {
         budget.check()?;
         sampler.block(block);
@@ -49,22 +49,23 @@ struct Sampler<'a> {
     problem: &'a Problem,
     strokes: &'a [TimedStroke],
     start: &'a [f64],
+    /// Where the arm stands after each stroke.
+    rests: Vec<Vec<f64>>,
     sweep: Sweep,
     state: State,
-    rest: CurvePoint,
     setpoints: PathSetpoints,
 }
 
 impl<'a> Sampler<'a> {
-    fn new(problem: &'a Problem, strokes: &'a [TimedStroke], start: &'a [f64]) -> Self {
+    fn new(problem: &'a Problem, request: &'a PathRequest, strokes: &'a [TimedStroke]) -> Self {
         let count = problem.robot.joint_count();
         Self {
             problem,
             strokes,
-            start,
+            start: &request.start,
+            rests: strokes.iter().map(|stroke| stroke.rest(request)).collect(),
             sweep: Sweep::default(),
             state: State::new(count),
-            rest: CurvePoint::new(count),
             setpoints: PathSetpoints {
                 samples: Setpoints {
                     time: Vec::new(),
@@ -116,20 +117,22 @@ impl<'a> Sampler<'a> {
     /// Sets the state at a time, and says where it is.
     fn set(&mut self, time: f64) -> Location {
         let after = self.strokes.partition_point(|stroke| stroke.begin <= time);
-        let Some(stroke) = after.checked_sub(1).map(|index| &self.strokes[index]) else {
+        let Some((stroke, rest)) = after
+            .checked_sub(1)
+            .map(|index| (&self.strokes[index], &self.rests[index]))
+        else {
             self.state.rest_at(self.start);
             return Location::default();
         };
-        let length = stroke.stroke.length();
         let last = after == self.strokes.len();
         // a path that ends at speed is sampled to its very end
         let ends_at_rest = stroke.law.at(stroke.law.duration()).velocity == 0.0;
         if time < stroke.end() || (last && !ends_at_rest && time <= stroke.end()) {
-            self.state.set(&stroke.stroke, &stroke.law, time - stroke.begin, Side::After);
+            self.state
+                .set(&stroke.stroke, &stroke.law, time - stroke.begin, Side::After);
             return stroke.stroke.location(self.state.s);
         }
-        stroke.stroke.evaluate(length, Side::Before, &mut self.rest);
-        self.state.rest_at(&self.rest.position);
-        stroke.stroke.location(length)
+        self.state.rest_at(rest);
+        stroke.stroke.location(stroke.stroke.length())
     }
 }

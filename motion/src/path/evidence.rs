@@ -1,0 +1,125 @@
+//! The evidence that a taught pose, or a curve of the tool, cannot be reached.
+
+use super::fault::infeasible;
+use super::follow::Halt;
+use super::guided::Led;
+use super::outcome::{Location, PathInfeasible, PathInfeasibleReason};
+use super::shape::ToolCurve;
+use super::taught::Teacher;
+use crate::kinematics::inverse::Unreachable;
+use crate::tolerance::{REACH_PROBES, SEGMENT_MIN, SINGULAR_MIN};
+
+impl Teacher<'_> {
+    /// A taught pose that cannot be taken.
+    pub(super) fn missing(&self, segment: usize, unreachable: Unreachable) -> PathInfeasible {
+        let location = Location { segment, fraction: 1.0 };
+        let evidence = |reason, needed, available| PathInfeasible {
+            needed,
+            available,
+            ..infeasible(reason, location, format!("{unreachable}; teach another pose"))
+        };
+        match unreachable {
+            Unreachable::OutOfReach { .. } => {
+                evidence(PathInfeasibleReason::OutOfReach, gap(&unreachable).unwrap_or(0.0), 0.0)
+            }
+            Unreachable::JointRange {
+                joint,
+                needed,
+                available,
+                ..
+            } => PathInfeasible {
+                joint: Some(joint),
+                ..evidence(PathInfeasibleReason::JointRange, needed, available)
+            },
+            Unreachable::Singular {
+                smallest_singular_value,
+                ..
+            } => evidence(PathInfeasibleReason::Singularity, SINGULAR_MIN, smallest_singular_value),
+        }
+    }
+
+    /// A curve that could not be followed to its end: it leaves the reach, or meets a singularity.
+    pub(super) fn halted(&self, segment: usize, curve: &ToolCurve, halt: Halt) -> PathInfeasible {
+        let location = Location {
+            segment,
+            fraction: halt.at,
+        };
+        let percent = 100.0 * halt.at;
+        let evidence = |reason, needed, available, suggestion| PathInfeasible {
+            needed,
+            available,
+            reachable_fraction: Some(halt.at),
+            ..infeasible(reason, location, suggestion)
+        };
+        // the largest gap on the rest of the way
+        let rest = (1..=REACH_PROBES).map(|i| halt.at + (1.0 - halt.at) * i as f64 / REACH_PROBES as f64);
+        let gaps = rest.filter_map(|v| gap(&self.inverse.nearest(&curve.pose(v), &self.q).err()?));
+        let gap = gaps.fold(0.0, f64::max);
+        if gap > 0.0 {
+            let suggestion = format!(
+                "the segment leaves the arm's reach after {percent:.2} % of its way, by up to {gap:.6} m or rad; move the \
+                 taught points closer, or the tool's orientation to one that the arm can take"
+            );
+            return evidence(PathInfeasibleReason::OutOfReach, gap, 0.0, suggestion);
+        }
+        let suggestion = format!(
+            "the segment meets a singularity after {percent:.2} % of its way (smallest singular value {:.6}, at least \
+             {SINGULAR_MIN} is needed); tilt or shift it, start it in another arm configuration, or make it a joint segment",
+            halt.smallest
+        );
+        evidence(
+            PathInfeasibleReason::Singularity,
+            SINGULAR_MIN,
+            halt.smallest,
+            suggestion,
+        )
+    }
+
+    /// A curve that ends at its pose, but with the joints elsewhere than taught.
+    pub(super) fn other_branch(&self, segment: usize, joint: usize, taught: f64, found: f64) -> PathInfeasible {
+        let name = &self.robot.spec().joints[joint].name;
+        let suggestion = format!(
+            "the segment ends with joint \"{name}\" at {found:.6}, not at {taught:.6} as taught: it would have to change the \
+             arm's configuration on the way; teach its end as a pose, or make it a joint segment"
+        );
+        PathInfeasible {
+            joint: Some(joint),
+            needed: taught,
+            available: found,
+            ..infeasible(
+                PathInfeasibleReason::Singularity,
+                Location { segment, fraction: 1.0 },
+                suggestion,
+            )
+        }
+    }
+
+    /// Which joints are led on a segment, in words.
+    pub(super) fn say_who_leads(&self, segment: usize, led: &[Led]) -> String {
+        let joints = &self.robot.spec().joints;
+        let who: Vec<String> = led
+            .iter()
+            .map(|led| {
+                let name = &joints[led.joint].name;
+                format!("joint \"{name}\" runs evenly from {:.4} to {:.4}", led.start, led.end)
+            })
+            .collect();
+        format!("segment {segment}: {}, the others follow the tool", who.join(", "))
+    }
+}
+
+/// How far a pose is out of reach: m where its place is missed, rad where its orientation alone is.
+fn gap(unreachable: &Unreachable) -> Option<f64> {
+    match unreachable {
+        Unreachable::OutOfReach {
+            position_gap,
+            orientation_gap,
+            ..
+        } => Some(if *position_gap > SEGMENT_MIN {
+            *position_gap
+        } else {
+            *orientation_gap
+        }),
+        Unreachable::JointRange { .. } | Unreachable::Singular { .. } => None,
+    }
+}

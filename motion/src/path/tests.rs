@@ -1,0 +1,5 @@
+mod joint;
+mod plan;
+mod mixed;
+mod support;
+mod tool;
