@@ -1,5 +1,5 @@
 mod joint;
-mod plan;
 mod mixed;
+mod plan;
 mod support;
 mod tool;

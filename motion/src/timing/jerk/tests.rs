@@ -70,7 +70,13 @@ fn worst_uses(robot: &Robot, curve: &dyn Curve, limits: &Limits, law: &TimeLaw, 
 
 /// Rest to rest over `d` with speed, acceleration and jerk bounded (Biagiotti and Melchiorri 2008, section 3.4).
 fn double_s(d: f64, [v, a, j]: [f64; 3]) -> f64 {
-    let ramp = |v: f64| if v * j >= a * a { v / a + a / j } else { 2.0 * (v / j).sqrt() };
+    let ramp = |v: f64| {
+        if v * j >= a * a {
+            v / a + a / j
+        } else {
+            2.0 * (v / j).sqrt()
+        }
+    };
     if v * ramp(v) <= d {
         return ramp(v) + d / v;
     }
@@ -128,11 +134,23 @@ fn the_tightest_limit_is_named() {
     assert_eq!(timing.limiting.len(), timing.law.pieces().len());
     let stretches = crate::timing::limiting::stretches(&timing.law, &timing.limiting);
     let costs = crate::timing::limiting::costs(&stretches);
-    let time = |kind| costs.iter().filter(|cost| cost.kind == kind).map(|cost| cost.time).sum::<f64>();
+    let time = |kind| {
+        costs
+            .iter()
+            .filter(|cost| cost.kind == kind)
+            .map(|cost| cost.time)
+            .sum::<f64>()
+    };
     // 4 phases of jerk of A/J, two of acceleration of V/A − A/J, and the cruise of d/V − V/A − A/J
     assert!((time(PathLimit::Jerk) - 0.6).abs() < 0.1, "{costs:?}");
-    assert!((time(PathLimit::Acceleration) - 2.0 * (1.0 / 3.0 - 0.15)).abs() < 0.1, "{costs:?}");
-    assert!((time(PathLimit::Velocity) - (2.0 - 1.0 / 3.0 - 0.15)).abs() < 0.1, "{costs:?}");
+    assert!(
+        (time(PathLimit::Acceleration) - 2.0 * (1.0 / 3.0 - 0.15)).abs() < 0.1,
+        "{costs:?}"
+    );
+    assert!(
+        (time(PathLimit::Velocity) - (2.0 - 1.0 / 3.0 - 0.15)).abs() < 0.1,
+        "{costs:?}"
+    );
 }
 
 fn with_jerk(mut stretch: Stretch, acceleration: f64, jerk: f64) -> Stretch {
@@ -146,7 +164,10 @@ fn with_jerk(mut stretch: Stretch, acceleration: f64, jerk: f64) -> Stretch {
 /// Every limit along random paths of arms with friction and rotors, against a check in time.
 #[test]
 fn no_limit_is_broken_between_samples() {
-    for (name, arm, jerk) in [("ur5e", with_drives(&ur5e()), 150.0), ("puma", with_drives(&puma560()), 120.0)] {
+    for (name, arm, jerk) in [
+        ("ur5e", with_drives(&ur5e()), 150.0),
+        ("puma", with_drives(&puma560()), 120.0),
+    ] {
         let own = own_limits(&arm);
         let speeds: Vec<f64> = own.joints.iter().map(|joint| joint.velocity.unwrap()).collect();
         let mut paths = 0;
@@ -167,7 +188,10 @@ fn no_limit_is_broken_between_samples() {
             match timed(&arm, &curve, &limits, 200) {
                 Ok(timing) => {
                     let [jerk, others] = worst_uses(&arm, &curve, &limits, &timing.law, 4000, seed);
-                    assert!(jerk <= 1.0 + 1e-3 && others <= 1.0 - 1e-6, "{name} {seed} {jerk} {others}");
+                    assert!(
+                        jerk <= 1.0 + 1e-3 && others <= 1.0 - 1e-6,
+                        "{name} {seed} {jerk} {others}"
+                    );
                     assert!(jerk.max(others) > 0.99, "{name} {seed} {jerk} {others}");
                     paths += 1;
                 }
@@ -247,7 +271,10 @@ fn a_joint_that_stands_still_holds_its_torque() {
     let swing = Polynomials::new(vec![vec![-1.0, 1.5], vec![0.4]], 1.0);
     let timing = timed(&arm, &swing, &limits, 200).unwrap();
     let [jerk, others] = worst_uses(&arm, &swing, &limits, &timing.law, 4000, 2);
-    assert!(jerk <= 1.0 + 1e-3 && others <= 1.0 - 1e-6 && jerk.max(others) > 0.99, "{jerk} {others}");
+    assert!(
+        jerk <= 1.0 + 1e-3 && others <= 1.0 - 1e-6 && jerk.max(others) > 0.99,
+        "{jerk} {others}"
+    );
 }
 
 /// An arm that cannot hold itself, an end that moves, and a path without length.
