@@ -11,6 +11,7 @@ mod mutations;
 mod operations;
 mod oracle;
 mod plan;
+mod programs;
 mod registry;
 mod streams;
 mod tidy;

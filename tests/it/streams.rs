@@ -277,7 +277,7 @@ async fn requests_of_a_batch_are_refused_one_by_one() {
                 fields.extend(error.violations.into_iter().map(|violation| violation.field));
             }
         }
-        assert_eq!(fields, ["move.robot_id", ""], "{protocol:?}");
+        assert_eq!(fields, ["move.robot_id", "move"], "{protocol:?}");
         let mut answers = client.plan_batch("nobody", stream::iter(requests)).await.unwrap();
         let mut statuses = Vec::new();
         while let Some(answer) = answers.next().await.unwrap() {

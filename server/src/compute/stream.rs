@@ -115,7 +115,7 @@ pub(crate) fn stream_setpoints(
             Ok(pieces(Answer::Path(answer), setpoints, period, planned.robot, chunk))
         }
         None => {
-            let invalid = Invalid::new("", "one of `move` and `path` must be given");
+            let invalid = Invalid::new("move", "must be given, or `path`");
             Err(ServiceError::invalid(vec![invalid]))
         }
     }

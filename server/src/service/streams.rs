@@ -14,7 +14,7 @@ use takt_proto::{
 };
 use tokio::time::timeout;
 
-use super::{Call, Service};
+use super::{Call, Service, robot_id};
 use crate::{compute, edge::Admission, error::ServiceError, stream::Feed};
 
 /// Most plans of one batch in work at once, however many threads there are.
@@ -41,17 +41,17 @@ impl Service {
         admission: Admission,
         mut request: v1::StreamSetpointsRequest,
     ) -> Result<Feed<v1::StreamSetpointsResponse>, ServiceError> {
-        let robot_id = &request.robot_id;
+        let outer = &request.robot_id;
         let (id, revision) = match &mut request.motion {
             Some(Streamed::Move(motion)) => {
-                adopt("move", robot_id, &mut motion.robot_id)?;
+                adopt("move", outer, &mut motion.robot_id)?;
                 (motion.robot_id.clone(), motion.revision.clone())
             }
             Some(Streamed::Path(motion)) => {
-                adopt("path", robot_id, &mut motion.robot_id)?;
+                adopt("path", outer, &mut motion.robot_id)?;
                 (motion.robot_id.clone(), motion.revision.clone())
             }
-            None => (robot_id.clone(), None),
+            None => (outer.clone(), None),
         };
         let subject = self.subject(call, &id, revision.as_deref()).await?;
         let service = Arc::clone(self);
@@ -163,7 +163,7 @@ async fn plan(
             Ok(BatchAnswer::Path(planned.message))
         }
         None => {
-            let invalid = Invalid::new("", "one of `move` and `path` must be given");
+            let invalid = Invalid::new("move", "must be given, or `path`");
             Err(ServiceError::invalid(vec![invalid]))
         }
     }
@@ -171,6 +171,9 @@ async fn plan(
 
 /// The robot of a motion is that of the request around it.
 fn adopt(field: &str, outer: &str, inner: &mut String) -> Result<(), ServiceError> {
+    if !outer.is_empty() {
+        robot_id(outer).map_err(|invalid| ServiceError::invalid(vec![invalid]))?;
+    }
     if inner.is_empty() {
         outer.clone_into(inner);
     }

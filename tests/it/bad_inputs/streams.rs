@@ -36,7 +36,7 @@ fn path(name: &str, change: impl FnOnce(&mut PlanPathRequest), fields: &[&str]) 
 
 pub(super) fn rows() -> Vec<Row> {
     vec![
-        stream("no motion", |m| m.motion = None, &[]),
+        stream("no motion", |m| m.motion = None, &["move"]),
         stream("no period", |m| m.sample_period_s = None, &["move.sample_period_s"]),
         stream("period 0", |m| m.sample_period_s = Some(0.0), &["move.sample_period_s"]),
         stream(
@@ -59,7 +59,11 @@ pub(super) fn rows() -> Vec<Row> {
         motion("a trace", |m| m.trace_points = Some(10), &["move.trace_points"]),
         motion("another robot", |m| m.robot_id = "fr3".to_owned(), &["move.robot_id"]),
         motion("no such revision", |m| m.revision = Some("r".to_owned()), &[]).refused(NOT_FOUND),
-        motion("no target", |m| m.target = None, &["move.target"]),
+        motion(
+            "no target",
+            |m| m.target = None,
+            &["move.target", "move.target.position"],
+        ),
         motion("scale 2", |m| m.speed_scale = Some(2.0), &["move.speed_scale"]),
         path("a program without segments", |m| m.segments.clear(), &["path.segments"]),
         path(

@@ -3,17 +3,20 @@
 use nalgebra::{Isometry3, Vector3};
 
 use super::*;
-use crate::curve::{Curve, CurvePoint, Side};
-use crate::dynamics::{self, Workspace};
+use crate::curve::Curve;
 use crate::path::outcome::PathLimit;
 use crate::robot::Robot;
-use crate::test_arms::{lift, planar, random, robot};
-use crate::timing::law::TimeLaw;
+use crate::robot::spec::{Drive, Friction};
+use crate::test_arms::{lift, planar, robot};
 use crate::timing::limits::{JointLimits, Limits, Stretch};
 use crate::timing::test_curves::{Polynomials, puma560, random_walk, ur5e};
-use crate::timing::tests::{own_limits, tool_use, with_drives};
+use crate::timing::tests::own_limits;
 
+mod check;
+mod iterates;
 mod oracle;
+
+use check::worst_uses;
 
 fn timed(robot: &Robot, curve: &dyn Curve, limits: &Limits, intervals: usize) -> Result<Timing, Obstacle> {
     let tcp = Isometry3::translation(0.05, 0.0, 0.1);
@@ -28,49 +31,15 @@ fn timed(robot: &Robot, curve: &dyn Curve, limits: &Limits, intervals: usize) ->
     jerk_limited(&task, &Budget::unlimited()).unwrap()
 }
 
-/// The largest part that a motion takes of any jerk limit, and of any other, at times and places drawn at random.
-fn worst_uses(robot: &Robot, curve: &dyn Curve, limits: &Limits, law: &TimeLaw, draws: usize, seed: u64) -> [f64; 2] {
-    let count = curve.joint_count();
-    let ws = &mut Workspace::new(robot);
-    let mut point = CurvePoint::new(count);
-    let mut torque = vec![0.0; count];
-    let state = &mut seed.clone();
-    let mut worst = [0.0_f64; 2];
-    for _ in 0..draws {
-        let part = 0.5 + 0.5 * random(state);
-        let time = if random(state) > 0.0 {
-            part * law.duration()
-        } else {
-            law.time_at(part * curve.length())
-        };
-        let motion = law.at(time);
-        let (sd, sdd, sddd) = (motion.velocity, motion.acceleration, motion.jerk);
-        curve.evaluate(motion.position, Side::Before, &mut point);
-        let qd: Vec<f64> = point.first.iter().map(|q1| q1 * sd).collect();
-        let bends = point.first.iter().zip(&point.second);
-        let qdd: Vec<f64> = bends.map(|(q1, q2)| q1 * sdd + q2 * sd * sd).collect();
-        dynamics::drive_torque(robot, ws, &point.position, &qd, &qdd, &mut torque);
-        let stretch = &limits.stretches[limits.stretch_at(motion.position, Side::Before)];
-        for (joint, limit) in stretch.joints.iter().enumerate() {
-            let [q1, q2, q3] = [&point.first, &point.second, &point.third].map(|values| values[joint]);
-            let jerk = q1 * sddd + 3.0 * q2 * sd * sdd + q3 * sd * sd * sd;
-            let used = |value: f64, limit: Option<f64>| limit.map_or(0.0, |limit| value.abs() / limit);
-            worst[0] = worst[0].max(used(jerk, limit.jerk));
-            let others = [
-                used(qd[joint], limit.velocity),
-                used(qdd[joint], limit.acceleration),
-                used(torque[joint], limit.torque),
-            ];
-            worst[1] = others.into_iter().fold(worst[1], f64::max);
-        }
-        worst[1] = worst[1].max(tool_use(robot, stretch, &point, [sd, sdd]));
-    }
-    worst
-}
-
 /// Rest to rest over `d` with speed, acceleration and jerk bounded (Biagiotti and Melchiorri 2008, section 3.4).
 fn double_s(d: f64, [v, a, j]: [f64; 3]) -> f64 {
-    let ramp = |v: f64| if v * j >= a * a { v / a + a / j } else { 2.0 * (v / j).sqrt() };
+    let ramp = |v: f64| {
+        if v * j >= a * a {
+            v / a + a / j
+        } else {
+            2.0 * (v / j).sqrt()
+        }
+    };
     if v * ramp(v) <= d {
         return ramp(v) + d / v;
     }
@@ -128,11 +97,43 @@ fn the_tightest_limit_is_named() {
     assert_eq!(timing.limiting.len(), timing.law.pieces().len());
     let stretches = crate::timing::limiting::stretches(&timing.law, &timing.limiting);
     let costs = crate::timing::limiting::costs(&stretches);
-    let time = |kind| costs.iter().filter(|cost| cost.kind == kind).map(|cost| cost.time).sum::<f64>();
+    let time = |kind| {
+        costs
+            .iter()
+            .filter(|cost| cost.kind == kind)
+            .map(|cost| cost.time)
+            .sum::<f64>()
+    };
     // 4 phases of jerk of A/J, two of acceleration of V/A − A/J, and the cruise of d/V − V/A − A/J
     assert!((time(PathLimit::Jerk) - 0.6).abs() < 0.1, "{costs:?}");
-    assert!((time(PathLimit::Acceleration) - 2.0 * (1.0 / 3.0 - 0.15)).abs() < 0.1, "{costs:?}");
-    assert!((time(PathLimit::Velocity) - (2.0 - 1.0 / 3.0 - 0.15)).abs() < 0.1, "{costs:?}");
+    assert!(
+        (time(PathLimit::Acceleration) - 2.0 * (1.0 / 3.0 - 0.15)).abs() < 0.1,
+        "{costs:?}"
+    );
+    assert!(
+        (time(PathLimit::Velocity) - (2.0 - 1.0 / 3.0 - 0.15)).abs() < 0.1,
+        "{costs:?}"
+    );
+}
+
+/// The same arm with plausible rotors and friction: 4 % of the torque Coulomb, 3 % viscous at full speed.
+fn with_drives(arm: &Robot) -> Robot {
+    let mut spec = arm.spec().clone();
+    for joint in &mut spec.joints {
+        let (torque, speed) = (joint.drive.peak_torque.unwrap(), joint.limits.velocity.unwrap());
+        joint.drive = Drive {
+            peak_torque: Some(torque),
+            gear_ratio: 100.0,
+            rotor_inertia: 4e-7 * torque,
+            joint_friction: Friction {
+                viscous: 0.03 * torque / speed,
+                coulomb_positive: 0.04 * torque,
+                coulomb_negative: 0.05 * torque,
+            },
+            ..Drive::default()
+        };
+    }
+    robot(spec)
 }
 
 fn with_jerk(mut stretch: Stretch, acceleration: f64, jerk: f64) -> Stretch {
@@ -146,7 +147,10 @@ fn with_jerk(mut stretch: Stretch, acceleration: f64, jerk: f64) -> Stretch {
 /// Every limit along random paths of arms with friction and rotors, against a check in time.
 #[test]
 fn no_limit_is_broken_between_samples() {
-    for (name, arm, jerk) in [("ur5e", with_drives(&ur5e()), 150.0), ("puma", with_drives(&puma560()), 120.0)] {
+    for (name, arm, jerk) in [
+        ("ur5e", with_drives(&ur5e()), 150.0),
+        ("puma", with_drives(&puma560()), 120.0),
+    ] {
         let own = own_limits(&arm);
         let speeds: Vec<f64> = own.joints.iter().map(|joint| joint.velocity.unwrap()).collect();
         let mut paths = 0;
@@ -167,7 +171,10 @@ fn no_limit_is_broken_between_samples() {
             match timed(&arm, &curve, &limits, 200) {
                 Ok(timing) => {
                     let [jerk, others] = worst_uses(&arm, &curve, &limits, &timing.law, 4000, seed);
-                    assert!(jerk <= 1.0 + 1e-3 && others <= 1.0 - 1e-6, "{name} {seed} {jerk} {others}");
+                    assert!(
+                        jerk <= 1.0 + 1e-3 && others <= 1.0 - 1e-6,
+                        "{name} {seed} {jerk} {others}"
+                    );
                     assert!(jerk.max(others) > 0.99, "{name} {seed} {jerk} {others}");
                     paths += 1;
                 }
@@ -209,11 +216,11 @@ fn limits_hold_stretch_by_stretch() {
 fn refinement_changes_little() {
     let arm = with_drives(&ur5e());
     let limits = Limits::uniform(with_jerk(own_limits(&arm), 15.0, 150.0));
-    for seed in [1, 2] {
+    for seed in [1, 2, 3, 4] {
         let curve = random_walk(6, 3, &[3.1; 6], seed);
         let duration = |intervals| timed(&arm, &curve, &limits, intervals).unwrap().law.duration();
         let (coarse, fine) = (duration(400), duration(1600));
-        assert!(fine < coarse && coarse < 1.006 * fine, "{coarse} {fine}");
+        assert!(fine < coarse && coarse < 1.004 * fine, "{coarse} {fine}");
     }
 }
 
@@ -247,7 +254,10 @@ fn a_joint_that_stands_still_holds_its_torque() {
     let swing = Polynomials::new(vec![vec![-1.0, 1.5], vec![0.4]], 1.0);
     let timing = timed(&arm, &swing, &limits, 200).unwrap();
     let [jerk, others] = worst_uses(&arm, &swing, &limits, &timing.law, 4000, 2);
-    assert!(jerk <= 1.0 + 1e-3 && others <= 1.0 - 1e-6 && jerk.max(others) > 0.99, "{jerk} {others}");
+    assert!(
+        jerk <= 1.0 + 1e-3 && others <= 1.0 - 1e-6 && jerk.max(others) > 0.99,
+        "{jerk} {others}"
+    );
 }
 
 /// An arm that cannot hold itself, an end that moves, and a path without length.
