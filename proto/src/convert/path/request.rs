@@ -75,6 +75,8 @@ pub fn path_request(wire: v1::PlanPathRequest, robot: Option<&RobotSpec>, findin
                 Transition::Smooth
             }
         },
+        transition_time: findings.positive_option(at.field("transition_time_s"), wire.transition_time_s, " s"),
+        tolerance: findings.positive_option(at.field("tolerance_m"), wire.tolerance_m, " m"),
         start_speed: findings.positive_option(at.field("start_speed"), wire.start_speed, ""),
         end_speed: findings.positive_option(at.field("end_speed"), wire.end_speed, ""),
         sampling: plan::sampling(wire.sample_period_s, wire.trace_points, findings),
