@@ -10,6 +10,7 @@ mod robots;
 
 use std::collections::BTreeMap;
 
+use programs::Trial;
 use robots::Example;
 use takt_checker::path::report::{FaultKind, PathReport};
 use takt_checker::recheck_path;
@@ -32,8 +33,8 @@ fn plan(example: &Example, request: &PathRequest) -> Result<Box<PathPlan>, Strin
     }
 }
 
-fn recheck(example: &Example, request: &PathRequest, plan: &PathPlan) -> PathReport {
-    recheck_path(example.robot.spec(), request, plan)
+fn recheck(trial: &Trial<'_>, plan: &PathPlan) -> PathReport {
+    recheck_path(trial.example.robot.spec(), &trial.request, plan, trial.density)
 }
 
 /// The programs of one robot: every plan holds, and at least `share` of them, in per cent, have one.
@@ -42,25 +43,28 @@ fn check(robot: usize, share: u64) {
     let mut refused: BTreeMap<String, u64> = BTreeMap::new();
     for program in 0..PROGRAMS {
         let seed = program * robots.len() as u64 + robot as u64;
-        let (example, request) = programs::of_seed(&robots, seed, FINE);
-        let plan = match plan(example, &request) {
+        let trial = programs::of_seed(&robots, seed, FINE);
+        let plan = match plan(trial.example, &trial.request) {
             Ok(plan) => plan,
             Err(reason) => {
                 *refused.entry(reason).or_default() += 1;
                 continue;
             }
         };
-        let report = recheck(example, &request, &plan);
+        let report = recheck(&trial, &plan);
         let broken: Vec<_> = report.violations().collect();
         assert!(
             report.holds(),
             "seed {seed}, {}: {broken:#?} {:#?}",
-            example.name,
+            trial.example.name,
             report.faults
         );
     }
     let plans = PROGRAMS - refused.values().sum::<u64>();
-    assert!(100 * plans >= share * PROGRAMS, "{plans} of {PROGRAMS} have a plan, refused {refused:?}");
+    assert!(
+        100 * plans >= share * PROGRAMS,
+        "{plans} of {PROGRAMS} have a plan, refused {refused:?}"
+    );
 }
 
 #[test]

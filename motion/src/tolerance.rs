@@ -506,3 +506,6 @@ pub(crate) const SPAN_INTERVALS_MIN: usize = 8;
 
 /// The same where a speed at an end is given, so that slowing down evenly is no way out.
 pub(crate) const TIGHTEN_ROUNDS_MOVING: usize = 12;
+
+/// How far a sample's time may be from a stop to be the stop's, as part of the duration: some roundings of both.
+pub(crate) const SAMPLE_AT_STOP: f64 = 1.0e-13;

@@ -1,8 +1,9 @@
 //! The random programs of the long run and of the tests: robot, program, sampling and jerk follow from a seed.
 
+use takt_checker::Density;
 use takt_checker::draw::Draw;
 use takt_checker::draw_program::{self, Cell};
-use takt_motion::path::outcome::PathLimit;
+use takt_motion::SETPOINTS_MAX;
 use takt_motion::path::request::PathRequest;
 use takt_motion::plan::request::Sampling;
 
@@ -15,9 +16,17 @@ const PERIODS: [f64; 4] = [0.001, 0.002, 0.004, 0.008];
 /// (`motion/src/tolerance.rs`).
 pub(crate) const FINE: usize = 5000;
 
-/// One program. Every other seed of a robot has jerk limits; one in four is sampled at a drive's period, the others
-/// `fine` times between two stops.
-pub(crate) fn of_seed(robots: &[Example], seed: u64, fine: usize) -> (&Example, PathRequest) {
+/// A robot's program.
+pub(crate) struct Trial<'a> {
+    pub(crate) example: &'a Example,
+    pub(crate) request: PathRequest,
+    /// Of the set-points that it asks for.
+    pub(crate) density: Density,
+}
+
+/// The program of a seed. Every other one of a robot has jerk limits; one in four is sampled at a drive's period, the
+/// others `fine` times between two stops.
+pub(crate) fn of_seed(robots: &[Example], seed: u64, fine: usize) -> Trial<'_> {
     let count = robots.len() as u64;
     let example = &robots[(seed % count) as usize];
     let draw = &mut Draw::seeded(seed);
@@ -28,14 +37,21 @@ pub(crate) fn of_seed(robots: &[Example], seed: u64, fine: usize) -> (&Example, 
         limit_jerk: (seed / count).is_multiple_of(2),
     };
     let mut request = draw_program::program(draw, &cell);
+    let mut density = Density::Coarse;
     if !draw.bits().is_multiple_of(4) {
-        let stops = request.segments.iter().filter(|segment| segment.blend.is_none()).count();
-        request.sampling = Sampling::Trace(fine * stops + 1);
+        let stops = request
+            .segments
+            .iter()
+            .filter(|segment| segment.blend.is_none())
+            .count();
+        request.sampling = Sampling::Trace((fine * stops + 1).min(SETPOINTS_MAX));
+        if fine >= FINE {
+            density = Density::Resolving;
+        }
     }
-    (example, request)
-}
-
-/// Kinds of limits, for tables.
-pub(crate) fn name_of(kind: PathLimit) -> String {
-    format!("{kind:?}")
+    Trial {
+        example,
+        request,
+        density,
+    }
 }
