@@ -357,8 +357,9 @@ pub(crate) const IK_GEOMETRY: f64 = 5.0e-3;
 /// The same where the closed form is that of the arm itself, but for rounding.
 pub(crate) const IK_IDEAL: f64 = 1.0e-9;
 
-/// Distance of two axes over the arm's size, or sine between them, below which they meet or are parallel in a closed
-/// form's equations: these divide by its square, which leaves six digits, and Newton steps do the rest.
+/// Distance of two axes over the arm's size below which they meet in a closed form's equations: these divide by its
+/// square, which leaves six digits, and Newton steps do the rest. Nearly parallel axes count as parallel from
+/// [`IK_GEOMETRY`] on, since the feet of their common perpendicular are far away.
 pub(crate) const IK_SEPARATE: f64 = 1.0e-5;
 
 /// Least sine between neighbouring axes of a wrist: below it, half of all rotations are out of reach.
@@ -371,9 +372,6 @@ pub(crate) const IK_CLAMP: f64 = 1.0e-6;
 /// Distance from a turn's axis of what it acts on, over the arm's size, below which its angle is left to the reference:
 /// rounding of a cosine near 1 is an angle of 1e-8.
 pub(crate) const IK_UNDETERMINED: f64 = 1.0e-7;
-
-/// Imaginary part of a root that may be a double real one: the square root of what [`IK_CLAMP`] lets through.
-pub(crate) const IK_NEARLY_REAL: f64 = 1.0e-3;
 
 /// Relative step at which roots of a quartic are found: convergence is cubic, the next one is below rounding.
 pub(crate) const IK_ROOT_ROUNDING: f64 = 1.0e-9;
