@@ -21,6 +21,13 @@ fn whole_cycles_lower_the_speed() {
         cycle_time: Some(0.004),
         ..asked(&segments, 0.25, 0.05)
     };
+    // (0.08/0.25 − 0.1)/0.004 is 55, and computed 55.000000000000014: that is no 56th cycle
+    let rounded = [arc(0.1, 0.8)];
+    let (_, report) = run(&ProcessRequest {
+        segments: &rounded,
+        ..request.clone()
+    });
+    assert!((report.speed / 0.25 - 1.0).abs() < 1e-14, "{report:?}");
     let (motion, report) = run(&request);
     // (0.2/0.25 − 0.1)/0.004 = 175, as it is
     assert_eq!((report.speed, report.lowered.as_deref()), (0.25, None));
@@ -85,7 +92,18 @@ fn a_short_segment_lowers_the_speed() {
     ];
     let (_, report) = run(&asked(&segments, 0.25, 0.05));
     assert!((report.speed - 0.04).abs() < 1e-15, "{report:?}");
-    // unless a tolerance shortens the transitions there: D = 2 mm is ⅜·D·sin 45° off
+    // an edge of 10 mm beside rest leaves 8 mm for its ramp, where a tolerance bounds the seam to D = 2 mm
+    let beside_rest = [
+        line([0.0, 0.0, 0.0], [0.01, 0.0, 0.0]),
+        line([0.01, 0.0, 0.0], [0.01, 0.5, 0.0]),
+    ];
+    let request = ProcessRequest {
+        tolerance: Some(0.375 * 0.002 * 0.5_f64.sqrt()),
+        ..asked(&beside_rest, 0.25, 0.05)
+    };
+    let (_, report) = run(&request);
+    assert!((report.speed / 0.16 - 1.0).abs() < 1e-9, "{report:?}");
+    // the short edge in the long chain has room once a tolerance shortens its transitions: D = 2 mm is ⅜·D·sin 45° off
     let request = ProcessRequest {
         tolerance: Some(0.375e-3),
         ..asked(&segments, 0.25, 0.05)
