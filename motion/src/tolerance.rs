@@ -442,6 +442,10 @@ pub(crate) const DEVIATION_ROUNDS: usize = 12;
 /// Shortest segment, radius, tolerance and reach at constant speed, m: below what the best arms repeat.
 pub(crate) const PROCESS_LENGTH_MIN: f64 = 1.0e-6;
 
+/// Largest constant tool speed, m/s: a hundred times that of any arm, so that its square stays a number to compute
+/// with.
+pub(crate) const PROCESS_SPEED_MAX: f64 = 1.0e3;
+
 /// Farthest that a segment may begin from where the one before it ends, m: rounding of taught points. A transition
 /// takes it in.
 pub(crate) const SEAM_GAP_MAX: f64 = 1.0e-9;
@@ -458,8 +462,8 @@ pub(crate) const TRANSITION_TIME_LEAST: f64 = 0.01;
 /// Shortest servo cycle, s.
 pub(crate) const CYCLE_TIME_MIN: f64 = 1.0e-6;
 
-/// Acceleration of the tool that transitions are chosen by where nobody says, m/s²: half of gravity's, which arms with a
-/// torch or a nozzle have to spare. It lowers no speed.
+/// Acceleration of the tool that transitions are chosen by where nobody says, m/s²: half of gravity's, which arms with
+/// a torch or a nozzle have to spare. It lowers no speed.
 pub(crate) const TRANSITION_ACCELERATION: f64 = 5.0;
 
 /// Part of a cycle by which a count of cycles may be too large and still be whole: rounding of a quotient.
