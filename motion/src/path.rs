@@ -28,6 +28,7 @@ pub mod outcome;
 mod pace;
 mod passage;
 mod piecewise;
+mod range;
 mod report;
 pub mod request;
 mod shape;

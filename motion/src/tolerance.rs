@@ -263,3 +263,17 @@ pub(crate) const DEVIATION_ROUNDS: usize = 12;
 /// What a turn of one radian counts as, m, where the knots of a spline of the tool are spaced: the reach of a hand-held
 /// tool, so that a turn takes about the time of the way that such a tool's tip makes.
 pub(crate) const TURN_LENGTH: f64 = 0.1;
+
+/// Samples of a path between two of its knots, where its joint ranges are looked at.
+pub(crate) const RANGE_SAMPLES: usize = 16;
+
+/// How near the end of its range a joint must come for its true extreme to be sought, rad or m: more than a cubic between
+/// two samples can miss of it.
+pub(crate) const RANGE_NEAR: f64 = 1.0e-2;
+
+/// How far a joint may be outside its range, rad or m: the rounding of a taught point at the very end of it.
+pub(crate) const RANGE_ROUNDING: f64 = 1.0e-9;
+
+/// Pace at a sample, as part of full speed, above which a path cannot come to a stop before the next: a turning point is
+/// passed at a twentieth between thirty-two samples.
+pub(crate) const VALLEY_MAX: f64 = 0.25;

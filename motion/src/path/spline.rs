@@ -64,9 +64,8 @@ fn quintic(points: &[Vec<f64>], distances: &[f64]) -> Piecewise {
                 for (offset, coefficient) in coefficients.into_iter().enumerate() {
                     band.add(row, start + offset, coefficient / scale);
                 }
-                for side in 0..dimension {
-                    let difference = points[piece + 1][side] - points[piece][side];
-                    band.add_right(row, side, -delta * difference / scale);
+                for (side, (from, to)) in points[piece].iter().zip(&points[piece + 1]).enumerate() {
+                    band.add_right(row, side, -delta * (to - from) / scale);
                 }
             }
         }
@@ -102,9 +101,8 @@ fn cubic(points: &[Vec<f64>], distances: &[f64]) -> Piecewise {
         for (row, own, other) in [(piece, piece, piece + 1), (piece + 1, piece + 1, piece)] {
             band.add(row, own, 4.0 / h);
             band.add(row, other, 2.0 / h);
-            for side in 0..dimension {
-                let difference = points[piece + 1][side] - points[piece][side];
-                band.add_right(row, side, 6.0 * difference / (h * h));
+            for (side, (from, to)) in points[piece].iter().zip(&points[piece + 1]).enumerate() {
+                band.add_right(row, side, 6.0 * (to - from) / (h * h));
             }
         }
     }

@@ -76,7 +76,7 @@ impl<'a> Teacher<'a> {
                     Space::Tool => self.tool_spline(&path, spline)?,
                 };
                 let Some(curve) = curve else { return Ok(None) };
-                let track = self.guided(segment, curve, spline.points.last(), warnings, budget)?;
+                let track = self.guided(segment, &curve, spline.points.last(), warnings, budget)?;
                 self.check_pace(&path, &track)?;
                 return Ok(Some(track));
             }
@@ -84,14 +84,14 @@ impl<'a> Teacher<'a> {
         if curve.is_shorter_than(SEGMENT_MIN) {
             return Ok(None);
         }
-        self.guided(segment, curve, target, warnings, budget).map(Some)
+        self.guided(segment, &curve, target, warnings, budget).map(Some)
     }
 
     /// A segment whose curve is the tool's. `target` is where it was taught to end, pose and joints.
     fn guided(
         &mut self,
         segment: usize,
-        curve: ToolCurve,
+        curve: &ToolCurve,
         target: Option<&Target>,
         warnings: &mut Vec<String>,
         budget: &Budget<'_>,
@@ -100,13 +100,13 @@ impl<'a> Teacher<'a> {
             Some(Target::Joints(positions)) => Some(positions.as_slice()),
             Some(Target::Pose { .. }) | None => None,
         };
-        let led = self.led(segment, &curve, taught)?;
+        let led = self.led(segment, curve, taught)?;
         if !led.is_empty() {
             warnings.push(self.say_who_leads(segment, &led));
         }
         let guided = match Guided::new(&self.arm, curve.clone(), led, &self.q, budget)? {
             Ok(guided) => guided,
-            Err(halt) => return Err(self.halted(segment, &curve, halt).into()),
+            Err(halt) => return Err(self.halted(segment, curve, halt).into()),
         };
         let end = guided.end();
         if let Some(taught) = taught
@@ -127,7 +127,7 @@ impl<'a> Teacher<'a> {
             Some(taught) => taught.to_vec(),
             None => {
                 let found = self.inverse.nearest(&curve.pose(1.0), &self.q);
-                found.map_err(|unreachable| self.missing(segment, unreachable))?
+                found.map_err(|unreachable| self.missing(segment, &unreachable))?
             }
         };
         let led = self.leaders(&self.q, &end).into_iter().map(|joint| Led {
@@ -241,7 +241,7 @@ impl<'a> Teacher<'a> {
             Target::Pose { .. } => {
                 let pose = self.pose_of(target);
                 let found = self.inverse.nearest(&pose, reference);
-                found.map_err(|unreachable| self.missing(segment, unreachable).into())
+                found.map_err(|unreachable| self.missing(segment, &unreachable).into())
             }
         }
     }

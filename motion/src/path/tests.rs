@@ -1,3 +1,5 @@
+mod arc;
+mod hostile;
 mod joint;
 mod mixed;
 mod spline;
