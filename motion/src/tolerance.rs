@@ -194,9 +194,9 @@ pub(crate) const SIGMOID_STEEPNESS_MAX: f64 = 100.0;
 /// Travel below which a segment goes nowhere, rad or m: under any encoder's step, above the rounding of taught points.
 pub(crate) const SEGMENT_MIN: f64 = 1.0e-9;
 
-/// Shortest part that a blend may take of a segment, in seconds at full speed: a hundredth of a fast controller's cycle;
-/// shorter, its third derivatives lose their digits.
-pub(crate) const BLEND_MIN: f64 = 1.0e-5;
+/// Shortest part that a blend may take of a segment, in seconds at full speed: a tenth of a micrometre for a fast arm.
+/// Shorter, the blend's place on a path of hours loses its digits.
+pub(crate) const BLEND_MIN: f64 = 1.0e-7;
 
 /// Least pace of a path, as part of full speed at ṡ = 1. Below it the path turns back on itself and needs a stop; a corner
 /// that only nearly does is that slow at 1e-4 rad from it.

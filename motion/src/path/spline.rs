@@ -46,7 +46,7 @@ fn quintic(points: &[Vec<f64>], distances: &[f64]) -> Piecewise {
     let mut band = Band::new(2 * count, 3, dimension);
     for (piece, h) in distances.iter().enumerate() {
         for (order, [delta, d0, d1, e0, e1]) in [THIRD, FOURTH].into_iter().enumerate() {
-            let scale = h.powi(order as i32 + 3);
+            let scale = if order == 0 { h * h * h } else { (h * h) * (h * h) };
             let [d0, d1, e0, e1] = [d0 * h, d1 * h, e0 * h * h, e1 * h * h];
             // right minus left: this piece's start counts at its first knot, its end, negative, at its last. Seen from
             // there values, slopes and odd derivatives have the other sign
