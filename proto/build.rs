@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// In these a field that says nothing is left out of the JSON: descriptions come back as they were given, and what was
 /// not asked for is not there. Everywhere else zeros and empty lists are written out.
-const SPARSE: [&str; 10] = [
+const SPARSE: [&str; 24] = [
     ".takt.v1.RobotDescription",
     ".takt.v1.JointDescription",
     ".takt.v1.JointLimits",
@@ -38,6 +38,20 @@ const SPARSE: [&str; 10] = [
     ".takt.v1.Frame",
     ".takt.v1.Pose",
     ".takt.v1.InverseDynamicsResult",
+    ".takt.v1.Setpoints",
+    ".takt.v1.PlanPathRequest",
+    ".takt.v1.PathLimits",
+    ".takt.v1.PathSegment",
+    ".takt.v1.Target",
+    ".takt.v1.JointSegment",
+    ".takt.v1.LineSegment",
+    ".takt.v1.ArcSegment",
+    ".takt.v1.SplineSegment",
+    ".takt.v1.Blend",
+    ".takt.v1.PoseTarget",
+    ".takt.v1.StreamSetpointsRequest",
+    ".takt.v1.PlanBatchRequest",
+    ".takt.v1.InverseKinematicsRequest",
 ];
 
 fn write_json_form(descriptor: &[u8], out: &Path) -> Result<(), Box<dyn Error>> {

@@ -86,8 +86,7 @@ struct Arguments {
 
 fn main() -> ExitCode {
     if let Some(seed) = std::env::args().nth(1).and_then(|seed| seed.parse().ok()) {
-        show(&robots::all(), seed);
-        return ExitCode::SUCCESS;
+        return show(&robots::all(), seed);
     }
     let Some(arguments) = Arguments::read(std::env::args().skip(1)) else {
         println!("usage: long_run FROM..TO [--threads N] [--file PATH], or long_run SEED; FROM is whole thousands");
@@ -175,17 +174,22 @@ fn append(file: &str, part: &Tally) {
     writeln!(file, "{line}").expect("the file can be written");
 }
 
-/// The move of one seed, and everything that is known of it.
-fn show(robots: &[Example], seed: u64) {
+/// The move of one seed, and everything that is known of it. Fails where it exceeds a limit.
+fn show(robots: &[Example], seed: u64) -> ExitCode {
     let example = &robots[(seed % robots.len() as u64) as usize];
     let request = draw_request(example, &mut Draw::seeded(seed));
     println!("{} {request:#?}", example.name);
     match plan_move(&example.robot, &request, &Budget::unlimited()) {
         Ok(MoveOutcome::Plan(plan)) => {
+            let report = recheck(example, &request, &plan);
             println!("{plan:#?}");
-            println!("{:#?}", recheck(example, &request, &plan));
+            println!("{report:#?}");
+            ExitCode::from(u8::from(!report.holds(EXCESS)))
         }
-        other => println!("{other:#?}"),
+        other => {
+            println!("{other:#?}");
+            ExitCode::SUCCESS
+        }
     }
 }
 

@@ -26,8 +26,12 @@
 //!
 //! with the sign, and the choice between a Coulomb torque's two directions, by the joint's own motion.
 
+mod tool;
+
 use nalgebra::{Matrix3, Vector3};
 use takt_motion::robot::spec::{Drive, Friction, Inertial, JointKind, RobotSpec};
+
+pub use tool::{Tool, ToolMotion};
 
 /// An arm with its payload, ready for inverse dynamics.
 #[derive(Debug, Clone)]

@@ -23,8 +23,10 @@ pub mod arm;
 pub mod bounds;
 pub mod claims;
 pub mod draw;
+pub mod draw_program;
 pub mod endpoint;
 pub mod motion;
+pub mod path;
 pub mod recheck;
 pub mod report;
 pub mod statistics;
@@ -32,5 +34,6 @@ pub mod tolerance;
 
 pub use arm::{Arm, Workspace};
 pub use bounds::Bounds;
+pub use path::recheck_path;
 pub use recheck::{Checker, Grid, Move, recheck};
 pub use report::Report;

@@ -9,6 +9,7 @@ use std::{
     time::Duration,
 };
 
+use futures::{FutureExt, Stream, StreamExt, future::BoxFuture, stream};
 use http::Uri;
 use takt_proto::{id::RobotId, v1};
 use tokio::time::Instant;
@@ -18,8 +19,9 @@ use crate::{
     connection::Http2,
     error::{Code, Error},
     grpc, http_json,
-    retry::{self, RetryPolicy},
+    retry::{self, RetryPolicy, Safety},
     rpc::{self, Rpc},
+    stream::{BatchAnswers, SetpointStream},
 };
 
 /// How long an endpoint that could not be reached is asked last instead of in its turn.
@@ -77,6 +79,14 @@ impl fmt::Debug for Client {
     }
 }
 
+/// What is no id could be another path over HTTP; both transports refuse it with the same words.
+fn check_robot_id(id: &str) -> Result<(), Error> {
+    match RobotId::parse(id) {
+        Ok(_) => Ok(()),
+        Err(why) => Err(Error::refused("robot_id", why)),
+    }
+}
+
 macro_rules! calls {
     ($($(#[$doc:meta])* $name:ident: $rpc:ident, $request:ident => $response:ident;)*) => {
         $(
@@ -123,36 +133,142 @@ impl Client {
         delete_robot: DeleteRobot, DeleteRobotRequest => DeleteRobotResponse;
         /// Plans a move from one configuration to another. A move that cannot be is an answer, with its evidence.
         plan_move: PlanMove, PlanMoveRequest => PlanMoveResponse;
+        /// Plans a robot program. A program that cannot be run is an answer, with its evidence.
+        plan_path: PlanPath, PlanPathRequest => PlanPathResponse;
         /// The margins of a trajectory that somebody else made.
         check_trajectory: CheckTrajectory, CheckTrajectoryRequest => CheckTrajectoryResponse;
         /// Joint torques, and on request mass matrix and Jacobian, of many states.
         inverse_dynamics: InverseDynamics, InverseDynamicsRequest => InverseDynamicsResponse;
         /// The tool's pose for many configurations.
         forward_kinematics: ForwardKinematics, ForwardKinematicsRequest => ForwardKinematicsResponse;
+        /// Every way to reach each of many poses, or the evidence why there is none.
+        inverse_kinematics: InverseKinematics, InverseKinematicsRequest => InverseKinematicsResponse;
+    }
+
+    /// Set-points of a move or a program on the controller's cycle. Its header is here as soon as the plan is verified;
+    /// the set-points come as they are asked for.
+    ///
+    /// # Errors
+    ///
+    /// See [`Error`].
+    pub async fn stream_setpoints(&self, request: v1::StreamSetpointsRequest) -> Result<SetpointStream, Error> {
+        check_robot_id(&request.robot_id)?;
+        let shared = &self.shared;
+        let request = &request;
+        let attempt = |endpoint: &Endpoint, _| {
+            let uri = endpoint.uri.clone();
+            async move {
+                let most = shared.max_reply_bytes;
+                let pieces = match shared.transport {
+                    Transport::Grpc => {
+                        let request = stream::iter([request.clone()]);
+                        grpc::open::<rpc::StreamSetpoints>(&shared.http2, &uri, request, most).await?
+                    }
+                    Transport::Http => {
+                        http_json::open::<rpc::StreamSetpoints>(&shared.http1, &uri, request, None, most).await?
+                    }
+                };
+                SetpointStream::begin(pieces, self.deadline).await
+            }
+            .boxed()
+        };
+        self.attempts(Safety::Repeatable, attempt).await
+    }
+
+    /// Plans many motions of one robot over one call. Requests are taken from the stream as the service has room for
+    /// them; read the answers while they are, or both wait for each other. Never tried again.
+    ///
+    /// # Errors
+    ///
+    /// See [`Error`]. What is wrong with one of the requests is the answer to it.
+    pub async fn plan_batch(
+        &self,
+        robot_id: &str,
+        requests: impl Stream<Item = v1::PlanBatchRequest> + Send + 'static,
+    ) -> Result<BatchAnswers, Error> {
+        check_robot_id(robot_id)?;
+        let shared = &self.shared;
+        let requests = Mutex::new(Some(requests.boxed()));
+        let attempt = |endpoint: &Endpoint, _| {
+            let uri = endpoint.uri.clone();
+            let requests = requests.lock().unwrap_or_else(PoisonError::into_inner).take();
+            async move {
+                let requests = requests.ok_or_else(|| Error::refused("requests", "are sent once"))?;
+                let most = shared.max_reply_bytes;
+                let pieces = match shared.transport {
+                    Transport::Grpc => {
+                        let id = robot_id.to_owned();
+                        let requests = requests.map(move |mut request| {
+                            id.clone_into(&mut request.robot_id);
+                            request
+                        });
+                        grpc::open::<rpc::PlanBatch>(&shared.http2, &uri, requests, most).await?
+                    }
+                    Transport::Http => {
+                        let head = v1::PlanBatchRequest {
+                            robot_id: robot_id.to_owned(),
+                            ..Default::default()
+                        };
+                        http_json::open::<rpc::PlanBatch>(&shared.http1, &uri, &head, Some(requests), most).await?
+                    }
+                };
+                Ok(BatchAnswers::new(pieces, self.deadline))
+            }
+            .boxed()
+        };
+        self.attempts_within(&RetryPolicy::none(), Safety::Once, &self.order()[..1], attempt)
+            .await
     }
 
     async fn call<R: Rpc>(&self, request: R::Request) -> Result<R::Response, Error> {
-        // What is no id could be another path over HTTP; both transports refuse it with the same words.
         if let Some(id) = R::robot_id(&request) {
-            RobotId::parse(id).map_err(|why| Error::refused("robot_id", why))?;
+            check_robot_id(id)?;
         }
         let shared = &self.shared;
-        let order = self.order();
         let request = &request;
+        let attempt = |endpoint: &Endpoint, left| {
+            let uri = endpoint.uri.clone();
+            async move {
+                let most = shared.max_reply_bytes;
+                match shared.transport {
+                    Transport::Grpc => grpc::send::<R>(&shared.http2, &uri, request.clone(), left, most).await,
+                    Transport::Http => http_json::send::<R>(&shared.http1, &uri, request, left, most).await,
+                }
+            }
+            .boxed()
+        };
+        self.attempts(R::safety(request), attempt).await
+    }
+
+    /// Attempts at one endpoint after the other, as the policy has it.
+    async fn attempts<'a, T>(
+        &'a self,
+        safety: Safety,
+        attempt: impl Fn(&'a Endpoint, Duration) -> BoxFuture<'a, Result<T, Error>>,
+    ) -> Result<T, Error> {
+        self.attempts_within(&self.shared.retry, safety, &self.order(), attempt)
+            .await
+    }
+
+    async fn attempts_within<'a, T>(
+        &'a self,
+        retry: &RetryPolicy,
+        safety: Safety,
+        order: &[usize],
+        attempt: impl Fn(&'a Endpoint, Duration) -> BoxFuture<'a, Result<T, Error>>,
+    ) -> Result<T, Error> {
+        let shared = &self.shared;
+        let attempt = &attempt;
         // Which endpoint was asked last: a call whose time is up cannot say it itself.
         let asked = &AtomicUsize::new(order[0]);
         let attempt = |index: usize, left| async move {
             asked.store(index, Ordering::Relaxed);
             let endpoint = &shared.endpoints[index];
-            let most = shared.max_reply_bytes;
-            let result = match shared.transport {
-                Transport::Grpc => grpc::send::<R>(&shared.http2, &endpoint.uri, request.clone(), left, most).await,
-                Transport::Http => http_json::send::<R>(&shared.http1, &endpoint.uri, request, left, most).await,
-            };
+            let result = attempt(endpoint, left).await;
             endpoint.set_failed(matches!(&result, Err(error) if error.code() == Code::Unavailable));
             result.map_err(|error| error.at(&endpoint.name))
         };
-        let result = retry::run(&shared.retry, R::safety(request), self.deadline, &order, attempt).await;
+        let result = retry::run(retry, safety, self.deadline, order, attempt).await;
         result.map_err(|error| {
             if !error.endpoint().is_empty() {
                 return error;

@@ -2,6 +2,7 @@
 
 use std::{error::Error as _, time::Duration};
 
+use futures::Stream;
 use http::{Uri, uri::PathAndQuery};
 use takt_proto::error as wire;
 use tonic::{
@@ -15,6 +16,7 @@ use crate::{
     connection::{self, Http2},
     error::Error,
     rpc::{self, Rpc},
+    stream::Pieces,
 };
 
 /// Sends one request to one endpoint.
@@ -25,9 +27,7 @@ pub(crate) async fn send<R: Rpc>(
     left: Duration,
     max_reply_bytes: usize,
 ) -> Result<R::Response, Error> {
-    let mut grpc = Grpc::with_origin(pool.clone(), endpoint.clone())
-        .max_decoding_message_size(max_reply_bytes)
-        .max_encoding_message_size(usize::MAX);
+    let mut grpc = grpc(pool, endpoint, max_reply_bytes);
     let mut request = Request::new(request);
     if let Ok(value) = MetadataValue::<Ascii>::try_from(connection::grpc_timeout(left)) {
         request.metadata_mut().insert("grpc-timeout", value);
@@ -42,6 +42,30 @@ pub(crate) async fn send<R: Rpc>(
     }
 }
 
+/// Begins a stream. Its time is the caller's own: a deadline of gRPC would bound the whole of it.
+pub(crate) async fn open<R: Rpc>(
+    pool: &Http2,
+    endpoint: &Uri,
+    requests: impl Stream<Item = R::Request> + Send + 'static,
+    max_reply_bytes: usize,
+) -> Result<Pieces<R::Response>, Error> {
+    let mut grpc = grpc(pool, endpoint, max_reply_bytes);
+    grpc.ready().await.map_err(|error| broken(&error))?;
+    let path =
+        PathAndQuery::try_from(rpc::grpc_path::<R>()).map_err(|error| Error::refused("request", error.to_string()))?;
+    let codec = ProstCodec::<R::Request, R::Response>::default();
+    match grpc.streaming(Request::new(requests), path, codec).await {
+        Ok(reply) => Ok(Pieces::Grpc(Box::new(reply.into_inner()))),
+        Err(status) => Err(from_status(&status)),
+    }
+}
+
+fn grpc(pool: &Http2, endpoint: &Uri, max_reply_bytes: usize) -> Grpc<Http2> {
+    Grpc::with_origin(pool.clone(), endpoint.clone())
+        .max_decoding_message_size(max_reply_bytes)
+        .max_encoding_message_size(usize::MAX)
+}
+
 fn broken(error: &(dyn std::error::Error + 'static)) -> Error {
     let (message, unsent) = connection::describe(error);
     let error = Error::transport(message.clone(), message);
@@ -49,7 +73,7 @@ fn broken(error: &(dyn std::error::Error + 'static)) -> Error {
 }
 
 /// A status with a source was made on this side: the exchange failed. One without came from the server.
-fn from_status(status: &Status) -> Error {
+pub(crate) fn from_status(status: &Status) -> Error {
     if let Some(source) = status.source() {
         return broken(source);
     }

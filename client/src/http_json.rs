@@ -2,17 +2,19 @@
 
 use std::{io, time::Duration};
 
+use futures::{StreamExt, stream::BoxStream};
 use http::{HeaderMap, StatusCode, Uri, header};
 use reqwest::{Client, Response};
 use serde::Serialize;
 use serde_json::ser::Formatter;
-use takt_proto::error as wire;
+use takt_proto::{error as wire, route::JSON_LINES};
 
 use crate::{
     connection,
     error::{Code, Error},
     lenient,
     rpc::{self, Rpc},
+    stream::{Lines, Outgoing, Pieces},
 };
 
 /// Header with the seconds that the caller will wait.
@@ -39,11 +41,7 @@ pub(crate) async fn send<R: Rpc>(
             .map_err(|error| Error::refused("request", format!("cannot be written as JSON: {error}")))?;
         request = request.header(header::CONTENT_TYPE, "application/json").body(body);
     }
-    let mut reply = request.send().await.map_err(|error| {
-        let (message, unsent) = connection::describe(&error);
-        let error = Error::transport(message, error);
-        if unsent { error.unsent() } else { error }
-    })?;
+    let mut reply = request.send().await.map_err(broken)?;
     let bytes = read(&mut reply, max_reply_bytes).await?;
     if reply.status().is_success() {
         lenient::from_slice(&bytes)
@@ -53,14 +51,57 @@ pub(crate) async fn send<R: Rpc>(
     }
 }
 
+/// Begins a stream: `head` says which robot it is about, and is all there is to say where no requests follow.
+pub(crate) async fn open<R: Rpc>(
+    client: &Client,
+    endpoint: &Uri,
+    head: &R::Request,
+    requests: Option<BoxStream<'static, R::Request>>,
+    max_reply_bytes: usize,
+) -> Result<Pieces<R::Response>, Error> {
+    let route = rpc::http_route::<R>(head);
+    let base = endpoint.to_string();
+    let request = client
+        .post(format!("{}{}", base.trim_end_matches('/'), route.path))
+        .header(header::ACCEPT, JSON_LINES);
+    let unwritable = |error| Error::refused("request", format!("cannot be written as JSON: {error}"));
+    let request = match (requests, &route.body) {
+        (Some(requests), _) => {
+            let lines = requests.map(|request| {
+                let mut line = to_json(&request)?;
+                line.push(b'\n');
+                Ok(line.into())
+            });
+            request
+                .header(header::CONTENT_TYPE, JSON_LINES)
+                .body(reqwest::Body::wrap(Outgoing::of(lines)))
+        }
+        (None, body) => {
+            let body = body.as_ref().map(to_json).transpose().map_err(unwritable)?;
+            request
+                .header(header::CONTENT_TYPE, "application/json")
+                .body(body.unwrap_or_default())
+        }
+    };
+    let mut reply = request.send().await.map_err(broken)?;
+    if reply.status().is_success() {
+        return Ok(Pieces::Http(Lines::of(reply, max_reply_bytes)));
+    }
+    let bytes = read(&mut reply, max_reply_bytes).await?;
+    Err(from_reply(reply.status(), reply.headers(), &bytes))
+}
+
+pub(crate) fn broken(error: reqwest::Error) -> Error {
+    let (message, unsent) = connection::describe(&error);
+    let error = Error::transport(message, error);
+    if unsent { error.unsent() } else { error }
+}
+
 /// The body of a reply, as far as it is not too long.
 async fn read(reply: &mut Response, max_reply_bytes: usize) -> Result<Vec<u8>, Error> {
     let mut bytes = Vec::new();
     loop {
-        let chunk = reply.chunk().await.map_err(|error| {
-            let (message, _) = connection::describe(&error);
-            Error::transport(message, error)
-        })?;
+        let chunk = reply.chunk().await.map_err(broken)?;
         let Some(chunk) = chunk else { return Ok(bytes) };
         if bytes.len() + chunk.len() > max_reply_bytes {
             let message = format!("the reply is over {max_reply_bytes} bytes");

@@ -114,9 +114,13 @@ macro_rules! about_a_robot {
 }
 
 about_a_robot!(PlanMove, PlanMoveRequest => PlanMoveResponse);
+about_a_robot!(PlanPath, PlanPathRequest => PlanPathResponse);
+about_a_robot!(PlanBatch, PlanBatchRequest => PlanBatchResponse);
+about_a_robot!(StreamSetpoints, StreamSetpointsRequest => StreamSetpointsResponse);
 about_a_robot!(CheckTrajectory, CheckTrajectoryRequest => CheckTrajectoryResponse);
 about_a_robot!(InverseDynamics, InverseDynamicsRequest => InverseDynamicsResponse);
 about_a_robot!(ForwardKinematics, ForwardKinematicsRequest => ForwardKinematicsResponse);
+about_a_robot!(InverseKinematics, InverseKinematicsRequest => InverseKinematicsResponse);
 
 about_a_robot!(RegisterRobot, RegisterRobotRequest => RegisterRobotResponse,
     /// The same content is the same revision, so a repetition changes nothing; but with an expected revision it would

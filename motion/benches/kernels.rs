@@ -17,6 +17,9 @@ use std::time::Instant;
 use serde_json::Value;
 use takt_motion::budget::Budget;
 use takt_motion::dynamics::{Workspace, mass_matrix, rigid_torque};
+use takt_motion::kinematics::inverse::{self, Inverse, Solutions, Turns};
+use takt_motion::kinematics::pose;
+use takt_motion::nalgebra::Isometry3;
 use takt_motion::plan::outcome::MoveOutcome;
 use takt_motion::plan::plan_move;
 use takt_motion::plan::request::{Method, MoveRequest, Sampling};
@@ -39,6 +42,9 @@ fn main() {
         let robot = read(arm);
         dynamics(arm, &robot);
         plans(arm, &robot);
+    }
+    for arm in ["ur5e", "puma560", "fr3"] {
+        inverse_kinematics(arm, &read(arm));
     }
 }
 
@@ -102,6 +108,44 @@ fn measure(name: &str, mut work: impl FnMut(usize)) {
         })
         .collect();
     print(name, batches);
+}
+
+/// Joint positions of poses anywhere: all branches of arms with a closed form, over their number, and the one nearest to
+/// a reference that is some hundredths of a radian away.
+fn inverse_kinematics(arm: &str, robot: &Robot) {
+    let mut draw = Draw(3);
+    let tcp = robot.spec().tcp;
+    let inverse = Inverse::new(robot, &tcp);
+    let states: Vec<(Isometry3<f64>, Vec<f64>)> = (0..STATES)
+        .map(|_| {
+            let q = request(robot, 0.0, &mut draw).start;
+            let reference = q.iter().map(|q| q + draw.between(-0.03, 0.03)).collect();
+            (pose(robot, &q, &tcp), reference)
+        })
+        .collect();
+    let all = |state: usize| inverse.solutions(&states[state].0, Some(&states[state].1), Turns::Nearest);
+    if matches!(
+        all(0),
+        Ok(Solutions {
+            method: inverse::Method::ClosedForm,
+            ..
+        })
+    ) {
+        let branches = |state| all(state).map_or(0, |found| found.solutions.len());
+        let per_pose = (0..STATES).map(branches).sum::<usize>() as f64 / STATES as f64;
+        measure(&format!("{arm}/inverse_kinematics_{per_pose:.2}_branches"), |state| {
+            black_box(all(state)).ok();
+        });
+    }
+    measure(&format!("{arm}/inverse_kinematics_nearest"), |state| {
+        black_box(inverse.nearest(&states[state].0, &states[state].1)).ok();
+    });
+    measure(&format!("{arm}/inverse_kinematics_follow"), |state| {
+        black_box(inverse.follow(&states[state].0, &states[state].1)).ok();
+    });
+    measure(&format!("{arm}/inverse_kinematics_ready"), |_| {
+        black_box(Inverse::new(black_box(robot), &tcp));
+    });
 }
 
 /// Plans of moves by ±1.5 rad a joint, and of moves anywhere within the position limits.

@@ -12,11 +12,14 @@
 //! R₁·exp(w·log(R₁ᵀR₂)) (JP2016-055404, paragraphs 0060 to 0090, 0169). Everything is evaluated where it is asked for, with
 //! its derivatives, in Taylor arithmetic ([`crate::jet`]): nothing is interpolated between samples.
 
+mod answer;
 mod arm;
 mod band;
 mod build;
+mod chain;
 mod check;
 mod circle;
+mod constant;
 mod corner;
 mod evidence;
 mod extent;
@@ -29,8 +32,11 @@ mod pace;
 mod passage;
 mod piecewise;
 mod range;
+mod plan;
+mod problem;
 mod report;
 pub mod request;
+mod sample;
 mod shape;
 mod spline;
 mod square;
@@ -39,9 +45,11 @@ mod taught;
 mod taught_spline;
 mod tool;
 mod track;
+mod verify;
 mod weight;
 
 pub(crate) use build::build;
+pub use plan::plan_path;
 pub(crate) use stroke::{Span, Stroke, ToolRates};
 
 use outcome::BlendReport;

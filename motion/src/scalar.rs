@@ -3,7 +3,7 @@
 //! A kernel is written once, over [`Real`]. Every operation is a single IEEE 754 one (no fused multiply-add), so a
 //! lane has the same bits as the scalar, on every processor: the same request has the same plan on every replica.
 
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, Div, Mul, Sub};
 
 use pulp::Simd;
 
@@ -118,19 +118,21 @@ pub(crate) struct Lanes<S: Simd> {
 }
 
 impl<S: Simd> Lanes<S> {
-    /// Reads the lanes that start at `values[0]`.
+    /// Reads the lanes that start at `values[0]`. (A whole register at once: pulp's partial loads are calls.)
     #[inline(always)]
     pub(crate) fn load(simd: S, values: &[f64]) -> Self {
+        let (registers, _) = S::as_simd_f64s(values);
         Self {
             simd,
-            values: simd.partial_load_f64s(&values[..S::F64_LANES]),
+            values: registers[0],
         }
     }
 
     /// Writes the lanes from `values[0]` on.
     #[inline(always)]
     pub(crate) fn store(self, values: &mut [f64]) {
-        self.simd.partial_store_f64s(&mut values[..S::F64_LANES], self.values);
+        let (registers, _) = S::as_mut_simd_f64s(values);
+        registers[0] = self.values;
     }
 
     /// The same constant in every lane.
@@ -210,6 +212,37 @@ impl<S: Simd> Mul<f64> for Lanes<S> {
     #[inline(always)]
     fn mul(self, constant: f64) -> Self {
         self * Self::constant(self.simd, constant)
+    }
+}
+
+impl<S: Simd> Lanes<S> {
+    #[inline(always)]
+    pub(crate) fn sqrt(self) -> Self {
+        Self {
+            simd: self.simd,
+            values: self.simd.sqrt_f64s(self.values),
+        }
+    }
+
+    /// The larger one; of no use where one is not a number.
+    #[inline(always)]
+    pub(crate) fn max(self, other: Self) -> Self {
+        Self {
+            simd: self.simd,
+            values: self.simd.max_f64s(self.values, other.values),
+        }
+    }
+}
+
+impl<S: Simd> Div for Lanes<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        Self {
+            simd: self.simd,
+            values: self.simd.div_f64s(self.values, other.values),
+        }
     }
 }
 

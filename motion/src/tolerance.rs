@@ -80,6 +80,27 @@ pub const TRAJECTORY_POINTS_MAX: usize = 100_000;
 /// Shortest time between two points of a foreign trajectory, s: below any controller's cycle by a factor of a thousand.
 pub(crate) const POINT_SPACING_MIN: f64 = 1.0e-7;
 
+/// Nodes of a timing grid closer than this part of the path are one: rounding of knots that were computed twice.
+pub(crate) const GRID_NODES_APART: f64 = 1.0e-12;
+
+/// Largest squared path velocity that is planned where nothing bounds it, 1/s².
+pub(crate) const PATH_SPEED_SQUARED_MAX: f64 = 1.0e12;
+
+/// Largest ratio of squared path velocities within a panel of the integral for time: with it Gauss and Legendre's six
+/// points leave a relative error below 1e-11. Pinned by `durations_are_those_of_closed_forms`.
+pub(crate) const LAW_PANEL_RATIO: f64 = 2.0;
+
+/// Most panels of one piece: what varies more than 2⁶⁴-fold within a piece is not resolved.
+pub(crate) const LAW_PANELS_MAX: usize = 64;
+
+/// Rounds of Newton's method from a time to a place; two or three do, bisection alone would take fifty.
+pub(crate) const LAW_INVERSE_ROUNDS: usize = 60;
+
+/// A place is found when its time is met to this part of its piece's duration: rounding.
+pub(crate) const LAW_INVERSE_TIME: f64 = 1.0e-15;
+
+/// A duration that exceeds a whole number of cycles by less than this part has that number.
+pub(crate) const LAW_CYCLE_ROUNDING: f64 = 1.0e-12;
 /// Largest distance of the tool from a pose that counts as reached, m: a thousandth of what the best arm repeats.
 pub(crate) const IK_POSITION: f64 = 1.0e-9;
 
@@ -133,17 +154,37 @@ pub(crate) const IK_STARTS: usize = 256;
 /// Starts in a row without a new solution that end the search.
 pub(crate) const IK_PATIENCE: usize = 40;
 
+/// The same where only the solution nearest to a reference is asked for, and that is not near.
+pub(crate) const IK_PATIENCE_NEAR: usize = 12;
+
+/// Largest joint difference from the reference, rad or m, at which the solution that Newton steps lead to is taken for the
+/// nearest: other branches are further apart.
+pub(crate) const IK_NEAR: f64 = 0.5;
+
 /// Steps times joints that end the search: some milliseconds.
-pub(crate) const IK_WORK: usize = 60_000;
+pub(crate) const IK_WORK: usize = 20_000;
 
 /// Most copies by whole turns of all solutions together.
 pub(crate) const IK_COPIES_MAX: usize = 1024;
 
-/// Most sweeps of Jacobi's rotations over a 6 × 6 matrix; four or five do.
-pub(crate) const IK_JACOBI_SWEEPS: usize = 12;
+/// Most steps to the smallest eigenvalue of a 6 × 6 matrix; four to six do.
+pub(crate) const IK_EIGEN_ROUNDS: usize = 20;
 
-/// What is left beside the diagonal, over its sum, when eigenvalues count as found: their error is its square.
-pub(crate) const IK_EIGEN_ROUNDING: f64 = 1.0e-9;
+/// Step over the trace that is rounding of the characteristic polynomial.
+pub(crate) const IK_EIGEN_ROUNDING: f64 = 1.0e-16;
+
+/// Rounds of slowing a timed path down and verifying it again, and of the bisection for how much. The timing is certified
+/// already: one round at most is expected.
+pub(crate) const PATH_SLOW_ROUNDS: usize = 40;
+
+/// Part by which a path is slowed down more than the broken limit asks for, against the same excess a second time.
+pub(crate) const PATH_SLOW_RESERVE: f64 = 1.0e-7;
+
+/// Change of path speed over the whole duration, relative to the speed, below which it counts as constant.
+pub(crate) const PATH_CRUISE: f64 = 1.0e-6;
+
+/// Rounds of bisection for a place on a path: to the last bit.
+pub(crate) const PATH_LOCATE_ROUNDS: usize = 60;
 /// Exponent beyond which the tan-sigmoid counts as 0 or 1: exp(−300) is 1e-130, far below rounding, and every factor of
 /// its derivatives is still finite.
 pub(crate) const SIGMOID_EXPONENT_MAX: f64 = 300.0;
@@ -205,6 +246,147 @@ pub(crate) const PACE_MIN: f64 = 1.0e-4;
 /// Samples of each part of a blend for its deviation: chords miss an arc by a thousandth of its height.
 pub(crate) const DEVIATION_SAMPLES: usize = 32;
 
+/// Intervals of the grid that a path is timed on: the certified timing is then within 1 % of the optimum.
+pub(crate) const TIMING_INTERVALS: usize = 500;
+
+/// Least pivot of the jerk solver's normal equations, which are positive definite but for rounding.
+pub(crate) const PIVOT_FLOOR: f64 = 1.0e-300;
+
+/// Part of the room between static torque and its limit that tightening leaves at least: slower always helps, so
+/// tightening further than this is left to the uniform slow-down.
+pub(crate) const TORQUE_ROOM_MIN: f64 = 0.25;
+
+/// Most iterations of one solve of the jerk problem; 10 to 40 are usual, and every iterate obeys the limits.
+pub(crate) const JERK_ITERATIONS: usize = 100;
+
+/// Most halvings of a step of the jerk solver; one is rare.
+pub(crate) const JERK_BACKTRACKS: usize = 30;
+
+/// Least ṡ² of a starting profile as part of its largest: a solve must begin within its limits, not on them.
+pub(crate) const JERK_START_FLOOR: f64 = 1.0e-9;
+
+/// Intervals of the coarse grid of the jerk solver: its solution is within a few percent, and its work a tenth of that on
+/// the fine one.
+pub(crate) const JERK_COARSE_INTERVALS: usize = 80;
+
+/// Fewest intervals of the fine grid that are asked for: fewer would not follow the phases of constant jerk.
+pub(crate) const JERK_INTERVALS_MIN: usize = 40;
+
+/// Duality gap at which a solve ends, as part of the duration, on the fine and on the coarse grid. On the fine one it is below
+/// what the grid and the certificate cost.
+pub(crate) const JERK_GAP: f64 = 1.0e-3;
+pub(crate) const JERK_GAP_COARSE: f64 = 2.0e-2;
+
+/// Most rounds of tightening limits between samples and solving again; one or two do.
+pub(crate) const JERK_ROUNDS: usize = 3;
+
+/// Part of the speed that must be at stake for another round of tightening: below, slowing down evenly costs less
+/// than what a solve leaves.
+pub(crate) const JERK_ROUND_WORTH: f64 = 1.0e-3;
+
+/// Tightening aims at this part of each limit, and takes away at most down to the second in one round: a peak
+/// between two samples of a bad first grid is no measure of them.
+pub(crate) const JERK_TIGHTEN_TO: f64 = 0.9995;
+pub(crate) const JERK_TIGHTEN_MIN: f64 = 0.6;
+
+/// Rounds of slowing down evenly; one or two do, unless viscous friction helps against gravity.
+pub(crate) const JERK_SLOW_ROUNDS: usize = 40;
+
+/// By how much slower than the certificate asks a motion is made: more than its rounding, far below every other loss.
+pub(crate) const JERK_RESERVE: f64 = 1.0e-5;
+/// Part of every limit that the timing leaves unused when it plans on samples: what is found between them is mostly below,
+/// so that few timings need another round. Costs a quarter of it in time.
+pub(crate) const TIMING_RESERVE: f64 = 5.0e-4;
+
+/// Part of a torque limit that gravity and Coulomb friction must leave anywhere on the path: twice [`TIMING_RESERVE`], so
+/// that every row has room left at standstill.
+pub(crate) const STATIC_ROOM: f64 = 1.0e-3;
+
+/// Facets of the polygon that stands for the circle of the tool's accelerations, a multiple of 4: 32 lose at most 0.5 %.
+pub(crate) const TOOL_FACETS: usize = 32;
+
+/// A row bounds no path acceleration where its coefficient is below this part of its right side, per 1/s²: even 1e8 1/s²
+/// takes up a millionth of the limit then.
+pub(crate) const REACH_ROW_FLAT: f64 = 1.0e-14;
+
+/// Width, relative to the terms it is a difference of, below which two bounds of the path acceleration meet: rounding.
+pub(crate) const REACH_WIDTH: f64 = 1.0e-13;
+
+/// Rounds of Newton's method to the border of a set: it takes fewer than there are rows, three or four as a rule.
+pub(crate) const REACH_ROUNDS: usize = 100;
+
+/// Into how many parts the certificate of a timing divides an interval of its grid: a multiple of [`TIMING_PARTS`]. What a
+/// cubic through neighbours leaves out is a fourth difference, some 1e-6 of a limit; ten parts find no more.
+pub(crate) const CHECK_PARTS: usize = 4;
+
+/// Fewest intervals that a path is timed with: fewer do not resolve one acceleration and one deceleration.
+pub(crate) const TIMING_INTERVALS_MIN: usize = 16;
+
+/// Into how many parts samples divide an interval of the timing. With b constant on an interval two keep torques to 0.1 %
+/// between samples at 500 intervals; more cost time and gain nothing that tightening does not.
+pub(crate) const TIMING_PARTS: usize = 2;
+
+/// A timing keeps a limit where it takes at most this part of it: what [`TIMING_RESERVE`] leaves, but for the reserve of
+/// whoever verifies the motion in time.
+pub(crate) const CERTIFIED: f64 = 1.0 - 2.0 * VERIFY_RESERVE;
+
+/// Rounds of planning again with less room where a limit was broken between samples. One to three do nearly always.
+pub(crate) const TIGHTEN_ROUNDS: usize = 4;
+
+/// Least part of its room that a round leaves a limit: what needs more is far from linear, and another round sees better.
+pub(crate) const TIGHTEN_MOST: f64 = 0.6;
+
+/// Part of a limit that slowing down evenly aims at: a little below what is certified, so that it ends.
+pub(crate) const SLOWDOWN_AIM: f64 = 1.0 - 1.0e-5;
+
+/// Passes with tangents of viscous torque where nothing is known yet: after two, a third gains below 0.1 % of the time.
+pub(crate) const VISCOUS_PASSES: usize = 2;
+
+/// Smallest squared path velocity of a tangent of viscous torque, as part of the largest on the path.
+pub(crate) const REFERENCE_FLOOR: f64 = 1.0e-4;
+
+/// Share of the grid's intervals that is spread evenly along the path; the rest is spread evenly in time.
+pub(crate) const GRID_EVEN_SHARE: f64 = 0.5;
+
+/// Rounds of bisection for the largest speed at the end of a path: evidence to a thousandth.
+pub(crate) const BOUNDARY_ROUNDS: usize = 12;
+/// How far axes may be from meeting, over the arm's size, or from being parallel, rad, for a closed form to be used: the
+/// calibrated kinematics of real arms are within it. Newton steps lead from the ideal arm's answer to the real one's.
+pub(crate) const IK_GEOMETRY: f64 = 5.0e-3;
+
+/// The same where the closed form is that of the arm itself, but for rounding.
+pub(crate) const IK_IDEAL: f64 = 1.0e-9;
+
+/// Distance of two axes over the arm's size, or sine between them, below which they meet or are parallel in a closed
+/// form's equations: these divide by its square, which leaves six digits, and Newton steps do the rest.
+pub(crate) const IK_SEPARATE: f64 = 1.0e-5;
+
+/// Least sine between neighbouring axes of a wrist: below it, half of all rotations are out of reach.
+pub(crate) const IK_BESIDE_MIN: f64 = 1.0e-2;
+
+/// How far beyond a circle a solution may lie, of its squared radius, to count as touching it: the arm is stretched, and
+/// rounding decides. Newton steps find out whether the pose is reached.
+pub(crate) const IK_CLAMP: f64 = 1.0e-6;
+
+/// Distance from a turn's axis of what it acts on, over the arm's size, below which its angle is left to the reference:
+/// rounding of a cosine near 1 is an angle of 1e-8.
+pub(crate) const IK_UNDETERMINED: f64 = 1.0e-7;
+
+/// Imaginary part of a root that may be a double real one: the square root of what [`IK_CLAMP`] lets through.
+pub(crate) const IK_NEARLY_REAL: f64 = 1.0e-3;
+
+/// Relative step at which roots of a quartic are found: convergence is cubic, the next one is below rounding.
+pub(crate) const IK_ROOT_ROUNDING: f64 = 1.0e-9;
+
+/// Most rounds of the iteration for them; simple roots take six to eight, double ones thirty.
+pub(crate) const IK_ROOT_ROUNDS: usize = 40;
+
+/// Gap of a closed form's answer, over the arm's size and in rad, that is not worth a Newton step.
+pub(crate) const IK_POLISHED: f64 = 1.0e-13;
+
+/// The same below which the angle may be free: the distance is itself the root of a root of rounding where two
+/// singularities come together.
+pub(crate) const IK_NEARLY_FREE: f64 = 1.0e-4;
 /// Terms of the square of half an angle in the distance of two quaternions: up to a right angle (a turn by π) each is half
 /// of the one before, so that the third derivative is true to 1e-12.
 pub(crate) const ANGLE_TERMS: usize = 52;
@@ -259,6 +441,60 @@ pub(crate) const BLEND_ANGLE_MAX: f64 = 3.0;
 
 /// Rounds of a golden section about the sample of a blend that is furthest off: a hundredth of the step between samples.
 pub(crate) const DEVIATION_ROUNDS: usize = 12;
+/// Shortest segment, radius, tolerance and reach at constant speed, m: below what the best arms repeat.
+pub(crate) const PROCESS_LENGTH_MIN: f64 = 1.0e-6;
+
+/// Farthest that a segment may begin from where the one before it ends, m: rounding of taught points. A transition
+/// takes it in.
+pub(crate) const SEAM_GAP_MAX: f64 = 1.0e-9;
+
+/// Farthest that an arc's start may be outside the circle's plane, as part of the radius: rounding of taught points.
+pub(crate) const ARC_PLANE_SLACK: f64 = 1.0e-9;
+
+/// Shortest half of a transition, s: below any servo cycle.
+pub(crate) const TRANSITION_TIME_MIN: f64 = 1.0e-6;
+
+/// Shortest half of a transition that is chosen, s: a few servo cycles, so that slow tools are not jerked for nothing.
+pub(crate) const TRANSITION_TIME_LEAST: f64 = 0.01;
+
+/// Shortest servo cycle, s.
+pub(crate) const CYCLE_TIME_MIN: f64 = 1.0e-6;
+
+/// Acceleration of the tool that transitions are chosen by where nobody says, m/s²: half of gravity's, which arms with a
+/// torch or a nozzle have to spare. It lowers no speed.
+pub(crate) const TRANSITION_ACCELERATION: f64 = 5.0;
+
+/// Part of a cycle by which a count of cycles may be too large and still be whole: rounding of a quotient.
+pub(crate) const CYCLE_SLACK: f64 = 1.0e-9;
+
+/// Shorter than this part of the duration, what is between two transitions is rounding.
+pub(crate) const STRETCH_MIN: f64 = 1.0e-13;
+
+/// Jumps below this part of the speed, or of the transition's acceleration, are rounding. Pinned by
+/// `random_chains_have_no_jumps`.
+pub(crate) const JUMP_ROUNDING: f64 = 1.0e-9;
+
+/// Samples of a transition in the search for its extremes: its curves are of the fifth degree.
+pub(crate) const TRANSITION_SAMPLES: usize = 64;
+
+/// Steps of the golden-section search between two samples: they shorten 1/32 to 3e-12, the error at a kink.
+pub(crate) const GOLDEN_STEPS: usize = 48;
+
+/// How close the deviation of a shortened transition is to its tolerance, as part of that.
+pub(crate) const REACH_CLOSE: f64 = 1.0e-6;
+
+/// Halvings in the search for a reach or a speed: to rounding.
+pub(crate) const HALVINGS: usize = 50;
+
+/// Rounds of lowering the speed until every transition keeps the tool's acceleration; the second nearly always
+/// confirms the first.
+pub(crate) const GENTLE_ROUNDS: usize = 8;
+
+/// Rounds of lowering a constant speed until the arm can follow; torque limits near singularities take a few.
+pub(crate) const CONSTANT_SLOW_ROUNDS: usize = 40;
+
+/// Fewest intervals that the verifier samples of each stretch and transition at constant speed.
+pub(crate) const CONSTANT_PARTS_MIN: usize = 16;
 
 /// What a turn of one radian counts as, m, where the knots of a spline of the tool are spaced: the reach of a hand-held
 /// tool, so that a turn takes about the time of the way that such a tool's tip makes.
@@ -277,3 +513,9 @@ pub(crate) const RANGE_ROUNDING: f64 = 1.0e-9;
 /// Pace at a sample, as part of full speed, above which a path cannot come to a stop before the next: a turning point is
 /// passed at a twentieth between thirty-two samples.
 pub(crate) const VALLEY_MAX: f64 = 0.25;
+/// Fewest intervals of a timing grid between two knots of the path: a blend, where accelerations rise and fall once or
+/// twice, has that many even if it is short.
+pub(crate) const SPAN_INTERVALS_MIN: usize = 8;
+
+/// The same where a speed at an end is given, so that slowing down evenly is no way out.
+pub(crate) const TIGHTEN_ROUNDS_MOVING: usize = 12;

@@ -6,7 +6,7 @@
 //! found by successive parabolic interpolation.
 
 mod extreme;
-mod overrides;
+pub(crate) mod overrides;
 
 use crate::dynamics::chain::Chain;
 use crate::dynamics::drive::DriveTerms;

@@ -2,8 +2,10 @@
 //! of its field. A conversion collects all that is wrong and not just the first.
 
 pub mod dynamics;
+pub mod path;
 pub mod plan;
 pub mod robot;
+pub mod stream;
 
 use std::{fmt, ops::RangeInclusive};
 

@@ -58,9 +58,30 @@ routes! {
     DeleteRobot: Delete "/v1/robots/{robot_id}" in "RobotService",
     ListRevisions: Get "/v1/robots/{robot_id}:revisions" in "RobotService",
     PlanMove: Post "/v1/robots/{robot_id}:planMove" in "PlanService",
+    PlanPath: Post "/v1/robots/{robot_id}:planPath" in "PlanService",
+    PlanBatch: Post "/v1/robots/{robot_id}:planBatch" in "PlanService",
+    StreamSetpoints: Post "/v1/robots/{robot_id}:streamSetpoints" in "PlanService",
     CheckTrajectory: Post "/v1/robots/{robot_id}:checkTrajectory" in "PlanService",
     InverseDynamics: Post "/v1/robots/{robot_id}:inverseDynamics" in "DynamicsService",
     ForwardKinematics: Post "/v1/robots/{robot_id}:forwardKinematics" in "DynamicsService",
+    InverseKinematics: Post "/v1/robots/{robot_id}:inverseKinematics" in "DynamicsService",
+}
+
+/// What streams are called over HTTP: one JSON document a line.
+pub const JSON_LINES: &str = "application/x-ndjson";
+
+impl Rpc {
+    /// Whether requests come as a stream.
+    #[must_use]
+    pub fn takes_stream(self) -> bool {
+        self == Self::PlanBatch
+    }
+
+    /// Whether answers come as a stream.
+    #[must_use]
+    pub fn gives_stream(self) -> bool {
+        matches!(self, Self::PlanBatch | Self::StreamSetpoints)
+    }
 }
 
 /// What a URL leads to.

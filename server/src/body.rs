@@ -74,6 +74,15 @@ impl Held {
         let message = format!("the requests in work hold {limit} bytes already");
         Err(Error::overloaded("limits.max_bytes_in_work", message, RETRY_AFTER))
     }
+
+    /// Gives bytes back before the end: of a stream's request that has been read.
+    pub(crate) fn release(&self, bytes: usize) {
+        let less = |held: usize| Some(held.saturating_sub(bytes));
+        // Never refused, as there always is a new value.
+        let before = self.bytes.fetch_update(Ordering::Relaxed, Ordering::Relaxed, less);
+        let released = before.unwrap_or(0).min(bytes);
+        self.budget.held.fetch_sub(released, Ordering::Relaxed);
+    }
 }
 
 impl Drop for Held {

@@ -2,6 +2,8 @@
 
 mod dynamics;
 mod finite;
+mod path;
+mod stream;
 
 use std::{sync::Arc, time::Instant};
 
@@ -9,8 +11,11 @@ use prost::Message;
 use takt_motion::{
     Invalid,
     budget::Budget,
-    plan::{self, outcome::MoveOutcome},
-    robot::{Robot, urdf_writer},
+    plan::{
+        self,
+        outcome::{MoveOutcome, Setpoints},
+    },
+    robot::{Robot, spec::RobotSpec, urdf_writer},
 };
 use takt_proto::{
     convert::{self, Findings, Path, robot::PresetInForce},
@@ -19,7 +24,11 @@ use takt_proto::{
 };
 use tracing::Span;
 
-pub(crate) use self::dynamics::{forward_kinematics, inverse_dynamics};
+pub(crate) use self::{
+    dynamics::{forward_kinematics, inverse_dynamics, inverse_kinematics},
+    path::plan_path,
+    stream::stream_setpoints,
+};
 use crate::{
     config::Limits,
     error::ServiceError,
@@ -39,23 +48,80 @@ pub(crate) enum Subject {
     Unnamed(Invalid),
 }
 
-impl Subject {
-    fn look(self, findings: &mut Findings) -> Option<Arc<Compiled>> {
-        match self {
-            Self::Robot(robot) => Some(robot),
-            Self::Unnamed(invalid) => {
-                findings.push_invalid(invalid);
-                None
-            }
-        }
-    }
+/// A request being read: its robot, its hash, and what is wrong with it so far.
+struct Reading {
+    robot: Option<Arc<Compiled>>,
+    hash: String,
+    findings: Findings,
 }
 
-/// Everything that is left when nothing was found wrong.
-fn checked<T>(findings: Findings, robot: Option<Arc<Compiled>>, value: T) -> Result<(Arc<Compiled>, T), ServiceError> {
-    let value = findings.finish(value).map_err(ServiceError::invalid)?;
-    let robot = robot.ok_or_else(|| ServiceError::internal("the request was let through without a robot"))?;
-    Ok((robot, value))
+/// What a request says of its revision: it is settled, and counts for the hash, once the robot is known.
+trait OfRevision: Message {
+    const NAME: &'static str;
+    fn revision(&mut self) -> &mut Option<String>;
+}
+
+macro_rules! of_revision {
+    ($($request:ident)*) => {
+        $(impl OfRevision for v1::$request {
+            const NAME: &'static str = stringify!($request);
+
+            fn revision(&mut self) -> &mut Option<String> {
+                &mut self.revision
+            }
+        })*
+    };
+}
+
+of_revision!(
+    PlanMoveRequest PlanPathRequest CheckTrajectoryRequest InverseDynamicsRequest ForwardKinematicsRequest
+    InverseKinematicsRequest
+);
+
+impl Reading {
+    fn of<M: OfRevision>(request: &mut M, subject: Subject) -> Self {
+        let mut reading = Self {
+            robot: None,
+            hash: String::new(),
+            findings: Findings::default(),
+        };
+        match subject {
+            Subject::Robot(robot) => {
+                *request.revision() = Some(robot.revision.to_string());
+                reading.hash = content_hash(M::NAME, request);
+                reading.robot = Some(robot);
+            }
+            Subject::Unnamed(invalid) => reading.findings.push_invalid(invalid),
+        }
+        reading
+    }
+
+    /// Converts the message, or a part of it.
+    fn convert<T>(&mut self, convert: impl FnOnce(Option<&RobotSpec>, &mut Findings) -> T) -> T {
+        let spec = self.robot.as_ref().map(|robot| robot.robot.spec());
+        convert(spec, &mut self.findings)
+    }
+
+    /// Where the request is wrong already, what else the planner finds wrong with it: the caller sees everything at once.
+    fn look_further<T>(&mut self, plan: impl FnOnce(&Robot, &Budget<'_>) -> Result<T, plan::Failure>) {
+        let Some(robot) = self.robot.as_ref().filter(|_| !self.findings.is_empty()) else {
+            return;
+        };
+        // Enough for a request to be looked at, and for nothing to be computed.
+        let no_time = Budget::until(&|| true);
+        if let Err(plan::Failure::Invalid(list)) = plan(&robot.robot, &no_time) {
+            self.findings.extend(list);
+        }
+    }
+
+    /// The robot and the provenance, when nothing was found wrong.
+    fn checked(self) -> Result<(Arc<Compiled>, v1::Provenance), ServiceError> {
+        self.findings.finish(()).map_err(ServiceError::invalid)?;
+        let robot = self.robot;
+        let robot = robot.ok_or_else(|| ServiceError::internal("the request was let through without a robot"))?;
+        let provenance = provenance(&robot.revision, self.hash);
+        Ok((robot, provenance))
+    }
 }
 
 /// What the answer was computed from. The hash is of the request with the revision that was used.
@@ -146,69 +212,70 @@ pub(crate) fn urdf(robot: &Robot, id: &RobotId) -> String {
     urdf_writer::write(robot.spec(), id.as_str())
 }
 
+/// A plan before it is written.
+struct Planned<O> {
+    robot: Arc<Compiled>,
+    outcome: O,
+    provenance: v1::Provenance,
+}
+
 /// Plans a move.
 pub(crate) fn plan_move(
-    mut request: v1::PlanMoveRequest,
+    request: v1::PlanMoveRequest,
     subject: Subject,
     limits: &Limits,
     deadline: Instant,
     budget: &Budget<'_>,
 ) -> Result<v1::PlanMoveResponse, ServiceError> {
-    let mut findings = Findings::default();
-    let robot = subject.look(&mut findings);
-    let trace_points = request.trace_points.unwrap_or(0);
-    let trace_points = usize::try_from(trace_points).unwrap_or(usize::MAX);
-    if let Some(invalid) = at_most("trace_points", trace_points, limits.max_setpoints, "max_setpoints") {
-        findings.push_invalid(invalid);
-    }
-    let mut hash = String::new();
-    if let Some(robot) = &robot {
-        request.revision = Some(robot.revision.to_string());
-        hash = content_hash("PlanMoveRequest", &request);
-    }
-    let spec = robot.as_ref().map(|robot| robot.robot.spec());
-    let request = convert::plan::move_request(request, spec, &mut findings);
-    if let Some(robot) = robot.as_deref().filter(|_| !findings.is_empty()) {
-        add_domain_findings(&mut findings, plan::plan_move(&robot.robot, &request, &no_time()).err());
-    }
-    let (robot, request) = checked(findings, robot, request)?;
-    let outcome = plan::plan_move(&robot.robot, &request, budget).map_err(|failure| failed(failure, deadline))?;
-    check_setpoints(&outcome, limits)?;
-    if !finite::outcome(&outcome) {
-        return Err(not_finite());
-    }
-    Span::current().record("outcome", outcome_name(&outcome));
+    let planned = planned_move(request, subject, limits, deadline, budget)?;
     Ok(v1::PlanMoveResponse {
-        outcome: Some(convert::plan::outcome_to_wire(outcome, robot.robot.spec())),
-        provenance: Some(provenance(&robot.revision, hash)),
+        outcome: Some(convert::plan::outcome_to_wire(
+            planned.outcome,
+            planned.robot.robot.spec(),
+        )),
+        provenance: Some(planned.provenance),
     })
 }
 
-/// A budget that has ended: enough for a request to be looked at, and for nothing to be computed.
-fn no_time() -> Budget<'static> {
-    Budget::until(&|| true)
-}
-
-/// Where the request is wrong already, what else the planner finds wrong with it: the caller sees everything at once.
-fn add_domain_findings(findings: &mut Findings, failure: Option<plan::Failure>) {
-    if let Some(plan::Failure::Invalid(list)) = failure {
-        findings.extend(list);
+fn planned_move(
+    mut request: v1::PlanMoveRequest,
+    subject: Subject,
+    limits: &Limits,
+    deadline: Instant,
+    budget: &Budget<'_>,
+) -> Result<Planned<MoveOutcome>, ServiceError> {
+    let mut reading = Reading::of(&mut request, subject);
+    check_trace(&mut reading.findings, request.trace_points, limits);
+    let request = reading.convert(|spec, findings| convert::plan::move_request(request, spec, findings));
+    reading.look_further(|robot, budget| plan::plan_move(robot, &request, budget));
+    let (robot, provenance) = reading.checked()?;
+    let outcome = plan::plan_move(&robot.robot, &request, budget).map_err(|failure| failed(failure, deadline))?;
+    let (name, setpoints) = match &outcome {
+        MoveOutcome::Plan(plan) => ("plan", plan.setpoints.as_ref()),
+        MoveOutcome::Infeasible(_) => ("infeasible", None),
+    };
+    check_setpoints(setpoints, limits)?;
+    if !finite::outcome(&outcome) {
+        return Err(not_finite());
     }
+    Span::current().record("outcome", name);
+    Ok(Planned {
+        robot,
+        outcome,
+        provenance,
+    })
 }
 
-fn outcome_name(outcome: &MoveOutcome) -> &'static str {
-    match outcome {
-        MoveOutcome::Plan(_) => "plan",
-        MoveOutcome::Infeasible(_) => "infeasible",
+fn check_trace(findings: &mut Findings, trace_points: Option<u32>, limits: &Limits) {
+    let count = usize::try_from(trace_points.unwrap_or(0)).unwrap_or(usize::MAX);
+    if let Some(invalid) = at_most("trace_points", count, limits.max_setpoints, "max_setpoints") {
+        findings.push_invalid(invalid);
     }
 }
 
 /// How many set-points a period makes is known when the plan is.
-fn check_setpoints(outcome: &MoveOutcome, limits: &Limits) -> Result<(), ServiceError> {
-    let MoveOutcome::Plan(plan) = outcome else {
-        return Ok(());
-    };
-    let count = plan.setpoints.as_ref().map_or(0, |setpoints| setpoints.time.len());
+fn check_setpoints(setpoints: Option<&Setpoints>, limits: &Limits) -> Result<(), ServiceError> {
+    let count = setpoints.map_or(0, |setpoints| setpoints.time.len());
     match at_most("sample_period_s", count, limits.max_setpoints, "max_setpoints") {
         Some(invalid) => Err(ServiceError::invalid(vec![invalid])),
         None => Ok(()),
@@ -235,36 +302,22 @@ pub(crate) fn check_trajectory(
     deadline: Instant,
     budget: &Budget<'_>,
 ) -> Result<v1::CheckTrajectoryResponse, ServiceError> {
-    let mut findings = Findings::default();
-    let robot = subject.look(&mut findings);
-    let count = request
-        .trajectory
-        .as_ref()
-        .map_or(0, |trajectory| trajectory.points.len());
+    let mut reading = Reading::of(&mut request, subject);
+    let trajectory = request.trajectory.as_ref();
+    let count = trajectory.map_or(0, |trajectory| trajectory.points.len());
     const POINTS: &str = "trajectory.points";
     if let Some(invalid) = at_most(POINTS, count, limits.max_trajectory_points, "max_trajectory_points") {
         return Err(ServiceError::invalid(vec![invalid]));
     }
-    let mut hash = String::new();
-    if let Some(robot) = &robot {
-        request.revision = Some(robot.revision.to_string());
-        hash = content_hash("CheckTrajectoryRequest", &request);
-    }
-    let spec = robot.as_ref().map(|robot| robot.robot.spec());
-    let request = convert::plan::check_request(request, spec, &mut findings);
-    if let Some(robot) = robot.as_deref().filter(|_| !findings.is_empty()) {
-        add_domain_findings(
-            &mut findings,
-            plan::check_trajectory(&robot.robot, &request, &no_time()).err(),
-        );
-    }
-    let (robot, request) = checked(findings, robot, request)?;
+    let request = reading.convert(|spec, findings| convert::plan::check_request(request, spec, findings));
+    reading.look_further(|robot, budget| plan::check_trajectory(robot, &request, budget));
+    let (robot, provenance) = reading.checked()?;
     let report = plan::check_trajectory(&robot.robot, &request, budget).map_err(|failure| failed(failure, deadline))?;
     if !finite::report(&report) {
         return Err(not_finite());
     }
     Ok(v1::CheckTrajectoryResponse {
-        provenance: Some(provenance(&robot.revision, hash)),
+        provenance: Some(provenance),
         ..convert::plan::report_to_wire(report, robot.robot.spec())
     })
 }

@@ -46,8 +46,11 @@ pub struct Limits {
     pub max_concurrent_requests: usize,
     /// Bytes of all requests in work together.
     pub max_bytes_in_work: usize,
-    /// Longest time for one request, and the time where the caller states none.
+    /// Longest time for one request, and the time where the caller states none. Of a stream: for its plan, or for each of
+    /// its plans.
     pub deadline_s: f64,
+    /// Time after which a stream ends of which the caller takes nothing, or to which the caller adds nothing.
+    pub stream_idle_s: f64,
 }
 
 /// The threads that compute.
@@ -116,6 +119,7 @@ impl Default for Limits {
             max_concurrent_requests: 2048,
             max_bytes_in_work: 256 << 20,
             deadline_s: 30.0,
+            stream_idle_s: 60.0,
         }
     }
 }
@@ -195,6 +199,7 @@ impl Config {
         }
         let positive = [
             ("limits.deadline_s", self.limits.deadline_s),
+            ("limits.stream_idle_s", self.limits.stream_idle_s),
             ("connections.detect_timeout_s", self.connections.detect_timeout_s),
             ("connections.header_timeout_s", self.connections.header_timeout_s),
             ("connections.keep_alive_s", self.connections.keep_alive_s),

@@ -59,7 +59,8 @@ impl Connections {
         let edge = Arc::clone(&self.edge);
         let service = hyper::service::service_fn(move |request: Request<Incoming>| {
             let edge = Arc::clone(&edge);
-            async move { Ok::<Response, Infallible>(edge.handle(request).await) }
+            // On the heap: what follows moves the future several times, and it is kilobytes long.
+            Box::pin(async move { Ok::<Response, Infallible>(edge.handle(request).await) })
         });
         let connection = self.protocol.serve_connection(TokioIo::new(stream), service);
         if let Err(error) = watcher.watch(connection.into_owned()).await {

@@ -20,12 +20,12 @@ use axum::{
 use futures::FutureExt;
 use http::{HeaderMap, HeaderName, HeaderValue, Request, header};
 use takt_proto::error::{Error, ErrorCode};
-use tokio::sync::Semaphore;
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tower::Service as _;
 use tracing::{Instrument, Span, field::Empty};
 
 use crate::{
-    body::{Budget, Incoming},
+    body::{Budget, Held, Incoming},
     config::Limits,
     error::ServiceError,
     grpc,
@@ -52,7 +52,7 @@ pub(crate) struct Edge {
     grpc: Router,
     http: Router,
     limits: Limits,
-    in_work: Semaphore,
+    in_work: Arc<Semaphore>,
     bytes: Arc<Budget>,
     ids: Ids,
 }
@@ -66,7 +66,7 @@ impl Edge {
         Ok(Self {
             grpc: grpc::router(Arc::clone(&service), &health, limits.max_request_bytes)?,
             http: http_edge::router(service, health, limits.max_request_bytes),
-            in_work: Semaphore::new(limits.max_concurrent_requests),
+            in_work: Arc::new(Semaphore::new(limits.max_concurrent_requests)),
             bytes: Budget::new(limits.max_bytes_in_work),
             limits,
             ids: Ids::default(),
@@ -97,7 +97,7 @@ impl Edge {
 
     async fn admit(&self, request: Request<hyper::body::Incoming>, is_grpc: bool, now: Instant) -> Response {
         let (head, body) = request.into_parts();
-        let (body, _held) = self.bytes.counted(body);
+        let (body, held) = self.bytes.counted(body);
         let mut request = Request::from_parts(head, body);
         if is_probe(request.uri().path()) {
             return self.dispatch(request, is_grpc).await;
@@ -106,7 +106,7 @@ impl Edge {
             Ok(deadline) => deadline,
             Err(error) => return refuse(error, is_grpc),
         };
-        let Ok(_place) = self.in_work.try_acquire() else {
+        let Ok(place) = Arc::clone(&self.in_work).try_acquire_owned() else {
             let message = format!("{} requests are in work already", self.limits.max_concurrent_requests);
             let error = Error::overloaded("limits.max_concurrent_requests", message, RETRY_AFTER);
             return refuse(error.into(), is_grpc);
@@ -114,7 +114,10 @@ impl Edge {
         if deadline <= Instant::now() {
             return refuse(ServiceError::deadline(), is_grpc);
         }
-        request.extensions_mut().insert(Call { deadline });
+        let admission = Admission(Arc::new((place, held)));
+        let allowed = deadline.saturating_duration_since(now);
+        request.extensions_mut().insert(Call::new(deadline, allowed));
+        request.extensions_mut().insert(admission.clone());
         let dispatched = self.dispatch(request, is_grpc);
         match tokio::time::timeout_at(deadline.into(), dispatched).await {
             Ok(response) => response,
@@ -126,6 +129,17 @@ impl Edge {
         let router = if is_grpc { &self.grpc } else { &self.http };
         let Ok(response) = router.clone().call(request).await;
         response
+    }
+}
+
+/// A request's place among those in work, and its hold on bytes; given back when the last holder is gone.
+#[derive(Debug, Clone)]
+pub(crate) struct Admission(Arc<(OwnedSemaphorePermit, Arc<Held>)>);
+
+impl Admission {
+    /// The hold on the request's bytes.
+    pub(crate) fn held(&self) -> &Held {
+        &self.0.1
     }
 }
 

@@ -39,6 +39,15 @@ impl ServiceError {
         )
     }
 
+    /// The same said of a request that stands in a field of another.
+    pub(crate) fn below(self, field: &str) -> Self {
+        if self.0.wire.violations.is_empty() {
+            return self;
+        }
+        let violations = self.0.wire.violations.into_iter();
+        Self::invalid(violations.map(|violation| violation.below(field)).collect())
+    }
+
     /// The same with its cause, for the log.
     pub(crate) fn caused_by(mut self, source: impl StdError + Send + Sync + 'static) -> Self {
         self.0.source = Some(std::sync::Arc::new(source));

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use async_trait::async_trait;
 use axum::{Router, response::Response};
+use futures::{StreamExt, stream::BoxStream};
 use http::Uri;
 use takt_proto::{
     DESCRIPTOR,
     convert::quoted,
-    error::ErrorCode,
+    error::{Error, ErrorCode},
     v1::{
         self, dynamics_service_server::DynamicsServiceServer, plan_service_server::PlanServiceServer,
         robot_service_server::RobotServiceServer,
@@ -18,10 +19,11 @@ use tonic::{Status, metadata::AsciiMetadataValue, server::NamedService, service:
 use tonic_health::{pb::health_server::HealthServer, server::HealthService};
 
 use crate::{
-    edge::{SERVER_TIMING, server_timing},
+    edge::{Admission, SERVER_TIMING, server_timing},
     error::ServiceError,
     health::Health,
-    service::{Answer, Call, Service},
+    service::{Answer, Call, Incoming, Service},
+    stream::Feed,
 };
 
 /// The services whose health can be asked for.
@@ -83,6 +85,21 @@ fn call_of<T>(request: &tonic::Request<T>) -> Result<Call, Status> {
     call.ok_or_else(|| Status::internal("the request has no deadline"))
 }
 
+/// What stands before every message: whether it is compressed, and its length.
+const FRAME_HEAD_BYTES: usize = 5;
+
+fn admission_of<T>(request: &tonic::Request<T>) -> Result<Admission, Status> {
+    let admission = request.extensions().get::<Admission>().cloned();
+    admission.ok_or_else(|| Status::internal("the request has no place among those in work"))
+}
+
+/// Pieces on their way out.
+type Pieces<T> = BoxStream<'static, Result<T, Status>>;
+
+fn respond_in_pieces<T: Send + 'static>(feed: Feed<T>) -> tonic::Response<Pieces<T>> {
+    tonic::Response::new(feed.map(|piece| piece.map_err(status_of)).boxed())
+}
+
 fn respond<T>(answer: Result<Answer<T>, ServiceError>) -> Result<tonic::Response<T>, Status> {
     match answer {
         Ok(answer) => {
@@ -97,9 +114,9 @@ fn respond<T>(answer: Result<Answer<T>, ServiceError>) -> Result<tonic::Response
     }
 }
 
-/// The methods of one service: each hands its message on, with or without the call.
+/// The methods of one service: each hands its message on, with or without the call. Those that stream stand at the end.
 macro_rules! methods {
-    ($service:path { $($name:ident($request:ident) -> $response:ident $($call:ident)?;)* }) => {
+    ($service:path { $($name:ident($request:ident) -> $response:ident $($call:ident)?;)* $({ $($rest:item)* })? }) => {
         #[async_trait]
         impl $service for Handler {
             $(async fn $name(
@@ -109,6 +126,8 @@ macro_rules! methods {
                 $(let $call = call_of(&request)?;)?
                 respond(self.0.$name($($call,)? request.into_inner()).await)
             })*
+
+            $($($rest)*)?
         }
     };
 }
@@ -123,10 +142,38 @@ methods!(v1::robot_service_server::RobotService {
 
 methods!(v1::plan_service_server::PlanService {
     plan_move(PlanMoveRequest) -> PlanMoveResponse call;
+    plan_path(PlanPathRequest) -> PlanPathResponse call;
     check_trajectory(CheckTrajectoryRequest) -> CheckTrajectoryResponse call;
+    {
+        type PlanBatchStream = Pieces<v1::PlanBatchResponse>;
+        type StreamSetpointsStream = Pieces<v1::StreamSetpointsResponse>;
+
+        async fn plan_batch(
+            &self,
+            request: tonic::Request<tonic::Streaming<v1::PlanBatchRequest>>,
+        ) -> Result<tonic::Response<Self::PlanBatchStream>, Status> {
+            let (call, admission) = (call_of(&request)?, admission_of(&request)?);
+            let requests = request.into_inner().map(|request| {
+                let request = request.map_err(|status| ServiceError::from(Error::from_status(&status)))?;
+                let bytes = FRAME_HEAD_BYTES + prost::Message::encoded_len(&request);
+                Ok(Incoming { request: Ok(request), bytes })
+            });
+            Ok(respond_in_pieces(self.0.plan_batch(call, admission, requests)))
+        }
+
+        async fn stream_setpoints(
+            &self,
+            request: tonic::Request<v1::StreamSetpointsRequest>,
+        ) -> Result<tonic::Response<Self::StreamSetpointsStream>, Status> {
+            let (call, admission) = (call_of(&request)?, admission_of(&request)?);
+            let feed = self.0.stream_setpoints(call, admission, request.into_inner()).await;
+            Ok(respond_in_pieces(feed.map_err(status_of)?))
+        }
+    }
 });
 
 methods!(v1::dynamics_service_server::DynamicsService {
     inverse_dynamics(InverseDynamicsRequest) -> InverseDynamicsResponse call;
     forward_kinematics(ForwardKinematicsRequest) -> ForwardKinematicsResponse call;
+    inverse_kinematics(InverseKinematicsRequest) -> InverseKinematicsResponse call;
 });

@@ -1,6 +1,7 @@
 //! The HTTP edge: the same messages as JSON. Decodes, calls the service, encodes.
 
 mod json;
+mod lines;
 mod pages;
 mod query;
 mod robot;
@@ -67,7 +68,7 @@ async fn rpc(State(http): State<Arc<Http>>, Extension(call): Extension<Call>, re
 }
 
 impl Http {
-    async fn answer(&self, rpc: Rpc, id: String, request: Request, call: Call) -> Answered {
+    async fn answer(self: &Arc<Self>, rpc: Rpc, id: String, request: Request, call: Call) -> Answered {
         match rpc {
             Rpc::ListRobots => self.list_robots(request.uri()).await,
             Rpc::RegisterRobot => self.register_robot(request, id, call).await,
@@ -80,6 +81,14 @@ impl Http {
                     .write(self.service.plan_move(call, message).await?, call)
                     .await
             }
+            Rpc::PlanPath => {
+                let message: v1::PlanPathRequest = self.json.read_for(request, id, call).await?;
+                self.json
+                    .write(self.service.plan_path(call, message).await?, call)
+                    .await
+            }
+            Rpc::PlanBatch => self.plan_batch(request, id, call),
+            Rpc::StreamSetpoints => self.stream_setpoints(request, id, call).await,
             Rpc::CheckTrajectory => {
                 let message: v1::CheckTrajectoryRequest = self.json.read_for(request, id, call).await?;
                 self.json
@@ -96,6 +105,12 @@ impl Http {
                 let message: v1::ForwardKinematicsRequest = self.json.read_for(request, id, call).await?;
                 self.json
                     .write(self.service.forward_kinematics(call, message).await?, call)
+                    .await
+            }
+            Rpc::InverseKinematics => {
+                let message: v1::InverseKinematicsRequest = self.json.read_for(request, id, call).await?;
+                self.json
+                    .write(self.service.inverse_kinematics(call, message).await?, call)
                     .await
             }
         }

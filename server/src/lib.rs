@@ -17,6 +17,7 @@ mod planner;
 mod registry;
 mod server;
 mod service;
+mod stream;
 mod telemetry;
 
 pub use config::{Config, ConfigError, ConnectionConfig, DrainConfig, Limits, PlannerConfig, StoreConfig};

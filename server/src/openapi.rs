@@ -10,7 +10,7 @@ use prost_types::FileDescriptorSet;
 use serde_json::{Map, Value, json};
 use takt_proto::{
     DESCRIPTOR,
-    route::{HttpMethod, ROUTES, Route, Rpc},
+    route::{HttpMethod, JSON_LINES, ROUTES, Route, Rpc},
 };
 
 use self::schema::{Schema, reference};
@@ -105,11 +105,17 @@ fn operation(route: &Route, schema: &Schema<'_>) -> Value {
         operation["description"] = text.into();
     }
     if route.method.has_body() {
-        operation["requestBody"] = json!({"required": true, "content": {"application/json": {
+        let kind = kind(route.rpc.takes_stream());
+        operation["requestBody"] = json!({"required": true, "content": {kind: {
             "schema": reference(&method.input), "example": examples::request(route.rpc),
         }}});
     }
     operation
+}
+
+/// A stream has one document of its schema a line.
+fn kind(is_stream: bool) -> &'static str {
+    if is_stream { JSON_LINES } else { "application/json" }
 }
 
 fn headers(route: &Route) -> Vec<Value> {
@@ -130,9 +136,14 @@ fn headers(route: &Route) -> Vec<Value> {
 }
 
 fn responses(route: &Route, output: &str) -> Value {
-    let mut found = json!({
-        "description": "The answer", "content": {"application/json": {"schema": reference(output)}},
-    });
+    let (kind, description) = match route.rpc.gives_stream() {
+        true => (
+            kind(true),
+            "The answers, one a line; an error after the first line is a line of the form of Error",
+        ),
+        false => (kind(false), "The answer"),
+    };
+    let mut found = json!({"description": description, "content": {kind: {"schema": reference(output)}}});
     if matches!(route.rpc, Rpc::RegisterRobot | Rpc::GetRobot) {
         found["headers"] =
             json!({"ETag": {"description": "The revision, in double quotes", "schema": {"type": "string"}}});

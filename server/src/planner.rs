@@ -13,7 +13,7 @@ use takt_motion::budget::Budget;
 use takt_proto::error::{Error, ErrorCode};
 use tokio::{
     runtime::{Builder, Runtime},
-    sync::{Semaphore, oneshot},
+    sync::{OwnedSemaphorePermit, Semaphore, oneshot},
 };
 
 use crate::{config::PlannerConfig, error::ServiceError};
@@ -34,6 +34,7 @@ pub(crate) struct Pool {
     /// A runtime for the sake of its blocking threads: they take work in order and sleep while there is none, where
     /// threads that steal work look around first, which cost a short plan a twentieth of its time.
     threads: Option<Runtime>,
+    thread_count: usize,
     places: Arc<Semaphore>,
     capacity: usize,
 }
@@ -56,9 +57,15 @@ impl Pool {
             .build()?;
         Ok(Self {
             threads: Some(threads),
+            thread_count: config.threads(),
             places: Arc::new(Semaphore::new(capacity)),
             capacity,
         })
+    }
+
+    /// How many calculations run at once.
+    pub(crate) fn thread_count(&self) -> usize {
+        self.thread_count
     }
 
     /// Runs a calculation. Dropping the returned future gives it up.
@@ -71,6 +78,33 @@ impl Pool {
             let message = format!("{} calculations run or wait already", self.capacity);
             return Err(Error::overloaded("planner.queue_capacity", message, RETRY_AFTER).into());
         };
+        self.run_in(place, deadline, job).await
+    }
+
+    /// The same for a caller who waits for a place in the queue, up to the deadline.
+    pub(crate) async fn run_in_turn<T, J>(&self, deadline: Instant, job: J) -> Result<(T, Timing), ServiceError>
+    where
+        T: Send + 'static,
+        J: FnOnce(&Budget<'_>) -> Result<T, ServiceError> + Send + 'static,
+    {
+        let place = Arc::clone(&self.places).acquire_owned();
+        match tokio::time::timeout_at(deadline.into(), place).await {
+            Ok(Ok(place)) => self.run_in(place, deadline, job).await,
+            Ok(Err(_)) => Err(ServiceError::internal("the planner has ended")),
+            Err(_) => Err(ServiceError::deadline()),
+        }
+    }
+
+    async fn run_in<T, J>(
+        &self,
+        place: OwnedSemaphorePermit,
+        deadline: Instant,
+        job: J,
+    ) -> Result<(T, Timing), ServiceError>
+    where
+        T: Send + 'static,
+        J: FnOnce(&Budget<'_>) -> Result<T, ServiceError> + Send + 'static,
+    {
         let (answer, result) = oneshot::channel();
         let queued = Instant::now();
         let span = tracing::Span::current();
@@ -168,6 +202,15 @@ mod tests {
         assert!(refused.wire().retry_after.is_some());
         release.send(()).unwrap();
         assert!(first.await.unwrap().is_ok());
+    }
+
+    #[tokio::test]
+    async fn who_waits_for_a_turn_gets_it() {
+        let pool = pool(1, 1);
+        let waiting = (0..20).map(|number| pool.run_in_turn(later(), move |_| Ok(number)));
+        let answers = futures::future::join_all(waiting).await;
+        let numbers: Vec<i32> = answers.into_iter().map(|answer| answer.unwrap().0).collect();
+        assert_eq!(numbers, (0..20).collect::<Vec<_>>());
     }
 
     #[tokio::test]

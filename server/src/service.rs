@@ -1,12 +1,18 @@
 //! The use cases: the same for both protocols.
 
-use std::{sync::Arc, time::Instant};
+mod streams;
+
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use futures::FutureExt;
-use takt_motion::Invalid;
+use takt_motion::{Invalid, budget::Budget};
 use takt_proto::{error::Error, id::RobotId, v1};
 use tracing::Span;
 
+pub(crate) use self::streams::Incoming;
 use crate::{
     compute::{self, Subject},
     config::Limits,
@@ -24,6 +30,29 @@ use crate::{
 pub(crate) struct Call {
     /// When the answer must be there.
     pub(crate) deadline: Instant,
+    /// Time for one answer from its request on.
+    allowed: Duration,
+    /// Whether it waits where the planner's queue is full; else it is refused.
+    in_turn: bool,
+}
+
+impl Call {
+    pub(crate) fn new(deadline: Instant, allowed: Duration) -> Self {
+        Self {
+            deadline,
+            allowed,
+            in_turn: false,
+        }
+    }
+
+    /// The call of one request of a stream, which begins now.
+    pub(crate) fn of_item(self) -> Self {
+        Self {
+            deadline: Instant::now() + self.allowed,
+            in_turn: true,
+            ..self
+        }
+    }
 }
 
 /// A message, and how long it took.
@@ -55,10 +84,10 @@ macro_rules! calculation {
         ) -> Result<Answer<v1::$response>, ServiceError> {
             let subject = self.subject(call, &request.robot_id, request.revision.as_deref()).await?;
             let service = Arc::clone(self);
-            let job = move |budget: &takt_motion::budget::Budget<'_>| {
+            let job = move |budget: &Budget<'_>| {
                 compute::$name(request, subject, &service.limits, call.deadline, budget)
             };
-            let (message, timing) = self.planner.run(call.deadline, job).await?;
+            let (message, timing) = self.run(call, job).await?;
             Ok(answer(message, timing))
         }
     };
@@ -73,14 +102,24 @@ impl Service {
         }
     }
 
-    pub(crate) fn planner(&self) -> &Pool {
-        &self.planner
+    /// Runs a calculation for a call on the planner's threads.
+    pub(crate) async fn run<T, J>(&self, call: Call, job: J) -> Result<(T, Timing), ServiceError>
+    where
+        T: Send + 'static,
+        J: FnOnce(&Budget<'_>) -> Result<T, ServiceError> + Send + 'static,
+    {
+        match call.in_turn {
+            true => self.planner.run_in_turn(call.deadline, job).await,
+            false => self.planner.run(call.deadline, job).await,
+        }
     }
 
     calculation!(plan_move: PlanMoveRequest -> PlanMoveResponse);
+    calculation!(plan_path: PlanPathRequest -> PlanPathResponse);
     calculation!(check_trajectory: CheckTrajectoryRequest -> CheckTrajectoryResponse);
     calculation!(inverse_dynamics: InverseDynamicsRequest -> InverseDynamicsResponse);
     calculation!(forward_kinematics: ForwardKinematicsRequest -> ForwardKinematicsResponse);
+    calculation!(inverse_kinematics: InverseKinematicsRequest -> InverseKinematicsResponse);
 
     /// Checks a description and keeps it.
     pub(crate) async fn register_robot(
@@ -90,8 +129,8 @@ impl Service {
     ) -> Result<Answer<v1::RegisterRobotResponse>, ServiceError> {
         let id = robot_id(&request.robot_id);
         let description = request.description;
-        let job = move |_: &takt_motion::budget::Budget<'_>| compute::register(id, description);
-        let ((id, compiled, record, summary), timing) = self.planner.run(call.deadline, job).await?;
+        let job = move |_: &Budget<'_>| compute::register(id, description);
+        let ((id, compiled, record, summary), timing) = self.run(call, job).await?;
         Span::current().record("robot", id.as_str());
         Span::current().record("revision", &*compiled.revision);
         if request.validate_only.unwrap_or(false) {
@@ -226,8 +265,8 @@ impl Service {
 
     async fn compiled(&self, call: Call, id: &RobotId, revision: Option<&str>) -> Result<Arc<Compiled>, ServiceError> {
         let compile = |record| {
-            let job = move |_: &takt_motion::budget::Budget<'_>| compute::compile_stored(&record);
-            let compiling = self.planner.run(call.deadline, job);
+            let job = move |_: &Budget<'_>| compute::compile_stored(&record);
+            let compiling = self.run(call, job);
             async move { Ok(compiling.await?.0) }.boxed()
         };
         self.registry.compiled(id, revision, compile).await

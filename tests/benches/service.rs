@@ -320,6 +320,31 @@ impl PlanService for Echo {
     ) -> Result<tonic::Response<v1::CheckTrajectoryResponse>, tonic::Status> {
         Err(tonic::Status::unimplemented("an echo"))
     }
+
+    async fn plan_path(
+        &self,
+        _: tonic::Request<v1::PlanPathRequest>,
+    ) -> Result<tonic::Response<v1::PlanPathResponse>, tonic::Status> {
+        Err(tonic::Status::unimplemented("an echo"))
+    }
+
+    type PlanBatchStream = futures::stream::Empty<Result<v1::PlanBatchResponse, tonic::Status>>;
+
+    async fn plan_batch(
+        &self,
+        _: tonic::Request<tonic::Streaming<v1::PlanBatchRequest>>,
+    ) -> Result<tonic::Response<Self::PlanBatchStream>, tonic::Status> {
+        Err(tonic::Status::unimplemented("an echo"))
+    }
+
+    type StreamSetpointsStream = futures::stream::Empty<Result<v1::StreamSetpointsResponse, tonic::Status>>;
+
+    async fn stream_setpoints(
+        &self,
+        _: tonic::Request<v1::StreamSetpointsRequest>,
+    ) -> Result<tonic::Response<Self::StreamSetpointsStream>, tonic::Status> {
+        Err(tonic::Status::unimplemented("an echo"))
+    }
 }
 
 async fn echo_tonic() -> Result<(), Failure> {

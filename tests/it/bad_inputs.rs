@@ -3,8 +3,10 @@
 mod bodies;
 mod descriptions;
 mod moves;
+mod programs;
 mod protobuf;
 mod states;
+mod streams;
 mod trajectories;
 mod urdf;
 mod urls;
@@ -90,9 +92,12 @@ macro_rules! requests {
 requests! {
     RegisterRobotRequest: RegisterRobot,
     PlanMoveRequest: PlanMove,
+    PlanPathRequest: PlanPath,
+    StreamSetpointsRequest: StreamSetpoints,
     CheckTrajectoryRequest: CheckTrajectory,
     InverseDynamicsRequest: InverseDynamics,
     ForwardKinematicsRequest: ForwardKinematics,
+    InverseKinematicsRequest: InverseKinematics,
 }
 
 impl Row {
@@ -337,6 +342,16 @@ async fn moves_are_refused() {
 }
 
 #[tokio::test]
+async fn programs_are_refused() {
+    check(programs::rows()).await;
+}
+
+#[tokio::test]
+async fn streams_are_refused() {
+    check(streams::rows()).await;
+}
+
+#[tokio::test]
 async fn trajectories_are_refused() {
     check(trajectories::rows()).await;
 }
@@ -376,6 +391,8 @@ async fn urls_are_refused() {
 fn the_table_is_complete() {
     let tables = [
         moves::rows(),
+        programs::rows(),
+        streams::rows(),
         trajectories::rows(),
         states::rows(),
         descriptions::rows(),

@@ -11,12 +11,12 @@ use prost_types::{
 use serde_json::{Value, json};
 use takt_proto::{
     DESCRIPTOR,
-    route::{ROUTES, Route, Rpc},
+    route::{JSON_LINES, ROUTES, Route, Rpc},
     v1,
 };
 use takt_tests::{
     TestServer,
-    fixtures::{good_check, good_dynamics, good_pose, plan_move, registration},
+    fixtures::{good_check, good_dynamics, good_pose, good_target, plan_move, registration},
 };
 
 /// Numbers of a reply may differ by so much, relative, on another machine.
@@ -155,6 +155,27 @@ fn requests() -> Vec<(&'static str, Rpc, &'static str, Value)> {
             json!({"start": {"position": [0]}, "speed_scale": 2}),
         ),
         (
+            "plan_path_refused",
+            Rpc::PlanPath,
+            "scara",
+            json!({"start": {"position": [0]}, "segments": [{"line": {"target": {}}, "blend": {}}]}),
+        ),
+        (
+            "plan_batch",
+            Rpc::PlanBatch,
+            "scara",
+            json!({"id": "a", "move": {"start": {"position": [-1, 1, 0.1, 0]}, "target": {"position": [1, -1, 0.15]}}}),
+        ),
+        (
+            "stream_setpoints",
+            Rpc::StreamSetpoints,
+            "scara",
+            json!({
+                "move": {"start": {"position": [-1, 1, 0.1, 0]}, "target": {"position": [-0.9, 1, 0.1, 0]}},
+                "sample_period_s": 0.05, "chunk_points": 2,
+            }),
+        ),
+        (
             "check_trajectory",
             Rpc::CheckTrajectory,
             "ur5e",
@@ -171,6 +192,12 @@ fn requests() -> Vec<(&'static str, Rpc, &'static str, Value)> {
             Rpc::ForwardKinematics,
             "ur5e",
             of(serde_json::to_value(good_pose())),
+        ),
+        (
+            "inverse_kinematics",
+            Rpc::InverseKinematics,
+            "ur5e",
+            of(serde_json::to_value(good_target())),
         ),
         ("get_robot_not_found", Rpc::GetRobot, "nobody", Value::Null),
         (
@@ -201,7 +228,11 @@ async fn requests_and_replies_look_as_recorded() {
         let reply = http
             .request(route.method.as_str(), &route.path_for(robot), &kind, body.as_bytes())
             .await;
-        let found = json!({"request": request, "status": reply.status, "reply": reply.json()});
+        let answer = match reply.header("content-type") {
+            Some(JSON_LINES) => reply.json_lines().into(),
+            _ => reply.json(),
+        };
+        let found = json!({"request": request, "status": reply.status, "reply": answer});
         let file = format!("{name}.json");
         if is_update() {
             let text = serde_json::to_string_pretty(&found).expect("JSON can be written");

@@ -4,11 +4,14 @@
 
 mod bad_inputs;
 mod contract;
+mod inverse;
 mod limits;
 mod moves;
 mod mutations;
 mod operations;
 mod oracle;
 mod plan;
+mod programs;
 mod registry;
+mod streams;
 mod tidy;

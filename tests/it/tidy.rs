@@ -13,7 +13,17 @@ use takt_proto::DESCRIPTOR;
 const LINES_MAX: usize = 600;
 
 /// What a scalar's name may end with: its unit.
-const UNITS: &[&str] = &["_s", "_m", "_rad", "_kg", "_w", "_kg_m2", "_m_per_s2", "_nm_per_a"];
+const UNITS: &[&str] = &[
+    "_s",
+    "_m",
+    "_rad",
+    "_kg",
+    "_w",
+    "_kg_m2",
+    "_m_per_s",
+    "_m_per_s2",
+    "_nm_per_a",
+];
 
 /// Crates of the workspace, and the programs beside it.
 const FOLDERS: [&str; 8] = ["proto", "motion", "checker", "server", "client", "cli", "tests", "fuzz"];
@@ -211,6 +221,10 @@ const RATIOS: &[&str] = &[
     "location",
     "override",
     "orientation",
+    "fraction",
+    "normal",
+    "steepness",
+    "singular",
 ];
 
 /// Units as comments write them.

@@ -148,3 +148,88 @@ pub fn good_pose() -> v1::ForwardKinematicsRequest {
         ..Default::default()
     }
 }
+
+/// A pose of the UR5e, for its joint positions.
+#[must_use]
+pub fn good_target() -> v1::InverseKinematicsRequest {
+    let pose = v1::Pose {
+        position_m: vec![0.4, 0.2, 0.3],
+        orientation: vec![0.0, 1.0, 0.0, 0.0],
+    };
+    v1::InverseKinematicsRequest {
+        robot_id: "ur5e".to_owned(),
+        targets: vec![v1::PoseTarget {
+            pose: Some(pose),
+            frame: None,
+        }],
+        ..Default::default()
+    }
+}
+
+/// A program of the UR5e: above a part, down to it on a line, and back.
+#[must_use]
+pub fn good_program() -> v1::PlanPathRequest {
+    use v1::path_segment::Shape;
+    let down = |height_m: f64| v1::Target {
+        pose: Some(v1::Pose {
+            position_m: vec![0.45, 0.1, height_m],
+            orientation: vec![0.0, 1.0, 0.0, 0.0],
+        }),
+        ..Default::default()
+    };
+    let home = vec![0.0, -1.57, 1.57, -1.57, -1.57, 0.0];
+    let segment = |shape: Shape| v1::PathSegment {
+        shape: Some(shape),
+        ..Default::default()
+    };
+    let blend = v1::Blend {
+        radius_m: Some(0.03),
+        ..Default::default()
+    };
+    let line = |height_m: f64| {
+        Shape::Line(v1::LineSegment {
+            target: Some(down(height_m)),
+        })
+    };
+    v1::PlanPathRequest {
+        robot_id: "ur5e".to_owned(),
+        start: Some(v1::JointPosition { position: home.clone() }),
+        segments: vec![
+            v1::PathSegment {
+                blend: Some(blend),
+                ..segment(Shape::Joint(v1::JointSegment {
+                    target: Some(down(0.25)),
+                }))
+            },
+            v1::PathSegment {
+                dwell_s: Some(0.1),
+                ..segment(line(0.15))
+            },
+            v1::PathSegment {
+                blend: Some(blend),
+                ..segment(line(0.25))
+            },
+            segment(Shape::Joint(v1::JointSegment {
+                target: Some(v1::Target {
+                    position: home,
+                    ..Default::default()
+                }),
+            })),
+        ],
+        ..Default::default()
+    }
+}
+
+/// A stream of the set-points of the good move.
+#[must_use]
+pub fn good_stream(sample_period_s: f64) -> v1::StreamSetpointsRequest {
+    v1::StreamSetpointsRequest {
+        robot_id: "ur5e".to_owned(),
+        motion: Some(v1::stream_setpoints_request::Motion::Move(v1::PlanMoveRequest {
+            robot_id: String::new(),
+            ..good_move()
+        })),
+        sample_period_s: Some(sample_period_s),
+        chunk_points: None,
+    }
+}

@@ -52,6 +52,15 @@ impl Reply {
         String::from_utf8_lossy(&self.body).into_owned()
     }
 
+    /// The body, read as JSON lines.
+    #[must_use]
+    pub fn json_lines(&self) -> Vec<Value> {
+        let lines = self.body.split(|byte| *byte == b'\n').filter(|line| !line.is_empty());
+        lines
+            .map(|line| serde_json::from_slice(line).unwrap_or_else(|error| panic!("{error}: {}", self.text())))
+            .collect()
+    }
+
     /// The refusal in the body.
     #[must_use]
     pub fn error(&self) -> Error {
@@ -133,6 +142,48 @@ impl Connection {
 
     /// Waits for an answer; `method` says whether it has a body.
     pub async fn receive(&mut self, method: &str) -> Reply {
+        let mut reply = self.receive_head().await;
+        let has_body = reply.status >= 200 && !matches!(reply.status, 204 | 304) && method != "HEAD";
+        if has_body && reply.header("transfer-encoding") == Some("chunked") {
+            while let Some(chunk) = self.receive_chunk().await {
+                reply.body.extend_from_slice(&chunk);
+            }
+        } else if has_body {
+            let length = reply.header("content-length").expect("an answer says how long it is");
+            reply.body = vec![0; length.parse().expect("a length is a number")];
+            let read = self.stream.read_exact(&mut reply.body).await;
+            read.expect("an answer is as long as it says");
+        }
+        reply
+    }
+
+    /// Sends the head of a request whose body follows in chunks.
+    pub async fn begin(&mut self, path: &str, kind: &str) {
+        let head =
+            format!("POST {path} HTTP/1.1\r\nhost: takt\r\ncontent-type: {kind}\r\ntransfer-encoding: chunked\r\n\r\n");
+        self.send(head.as_bytes()).await;
+    }
+
+    /// Sends a chunk of the body; an empty one ends it.
+    pub async fn send_chunk(&mut self, bytes: &[u8]) {
+        let mut chunk = format!("{:x}\r\n", bytes.len()).into_bytes();
+        chunk.extend_from_slice(bytes);
+        chunk.extend_from_slice(b"\r\n");
+        self.send(&chunk).await;
+    }
+
+    /// Waits for a chunk of an answer; `None` is its end.
+    pub async fn receive_chunk(&mut self) -> Option<Vec<u8>> {
+        let length = usize::from_str_radix(&self.line().await, 16).expect("a chunk has a length");
+        let mut chunk = vec![0; length + 2];
+        let read = self.stream.read_exact(&mut chunk).await;
+        read.expect("a chunk is as long as it says");
+        chunk.truncate(length);
+        (length > 0).then_some(chunk)
+    }
+
+    /// Waits for the head of an answer.
+    pub async fn receive_head(&mut self) -> Reply {
         let line = self.line().await;
         let status = line.split(' ').nth(1).and_then(|status| status.parse().ok());
         let status = status.unwrap_or_else(|| panic!("{line:?} is no status line"));
@@ -148,13 +199,6 @@ impl Connection {
             }
             let (name, value) = line.split_once(':').expect("a header has a colon");
             reply.headers.push((name.to_ascii_lowercase(), value.trim().to_owned()));
-        }
-        let has_body = status >= 200 && !matches!(status, 204 | 304) && method != "HEAD";
-        if has_body {
-            let length = reply.header("content-length").expect("an answer says how long it is");
-            reply.body = vec![0; length.parse().expect("a length is a number")];
-            let read = self.stream.read_exact(&mut reply.body).await;
-            read.expect("an answer is as long as it says");
         }
         reply
     }

@@ -64,6 +64,7 @@ fn margin(joint: &str, limit: f64, peak: f64) -> v1::TorqueMargin {
         rated_torque: None,
         peak_motor_speed: 120.0,
         peak_power_w: 300.0,
+        location: None,
     }
 }
 
@@ -102,6 +103,7 @@ pub(crate) fn plan() -> v1::MovePlan {
         setpoints: Some(v1::Setpoints {
             time_s: TIMES.into(),
             joints: vec![columns("turn", 1.5, 97.5), columns("slide", -0.5, -20.0)],
+            ..Default::default()
         }),
         warnings: vec!["jerk limits do not apply".to_owned()],
         preset_source: v1::move_plan::PresetSource::Derived.into(),

@@ -97,6 +97,11 @@ impl Chain {
         }
         self
     }
+
+    /// A point given in the last link's described frame, in its kernel frame.
+    pub(crate) fn point_on_last(&self, point: Vector3<f64>) -> [f64; 3] {
+        (self.kernel_from_last * point).into()
+    }
 }
 
 impl Body {

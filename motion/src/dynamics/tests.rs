@@ -3,6 +3,7 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use super::path::PathTerms;
 use super::sweep::Sweep;
 use super::*;
+use crate::curve::CurvePoint;
 use crate::robot::spec::Inertial;
 use crate::test_arms::{random, random_arm, robot, values};
 
@@ -110,22 +111,32 @@ fn a_sweep_has_the_bits_of_single_states() {
 }
 
 #[test]
-fn path_terms_agree_with_inverse_dynamics_along_the_path() {
+fn path_terms_agree_with_inverse_dynamics_along_a_curved_path() {
     for count in [1, 3, 6, 10, 32] {
         let robot = arm(count, 30 + count as u64);
         let ws = &mut Workspace::new(&robot);
         let state = &mut 2;
-        let (start, direction) = (values(count, 2.0, state), values(count, 2.0, state));
-        let s = [0.0, 0.2, 0.5, 0.9, 1.0];
         let mut terms = PathTerms::default();
-        terms.compute(robot.chain(), &start, &direction, &s);
+        let points: Vec<CurvePoint> = (0..5)
+            .map(|_| CurvePoint {
+                position: values(count, 2.0, state),
+                first: values(count, 2.0, state),
+                second: values(count, 2.0, state),
+                third: vec![0.0; count],
+            })
+            .collect();
+        terms.reset(count, points.len());
+        for (k, point) in points.iter().enumerate() {
+            terms.set(k, point);
+        }
+        terms.compute(robot.chain(), None);
         let (sd, sdd) = (1.3, -0.7);
-        for (k, s) in s.iter().enumerate() {
-            let q: Vec<f64> = (0..count).map(|j| start[j] + s * direction[j]).collect();
-            let qd: Vec<f64> = direction.iter().map(|d| d * sd).collect();
-            let qdd: Vec<f64> = direction.iter().map(|d| d * sdd).collect();
+        for (k, point) in points.iter().enumerate() {
+            let qd: Vec<f64> = point.first.iter().map(|d| d * sd).collect();
+            let bends = point.first.iter().zip(&point.second);
+            let qdd: Vec<f64> = bends.map(|(d, dd)| d * sdd + dd * sd * sd).collect();
             let mut torque = vec![0.0; count];
-            rigid_torque(&robot, ws, &q, &qd, &qdd, &mut torque);
+            rigid_torque(&robot, ws, &point.position, &qd, &qdd, &mut torque);
             let along: Vec<f64> = (0..count)
                 .map(|j| {
                     let e = j * terms.stride + k;
@@ -133,6 +144,50 @@ fn path_terms_agree_with_inverse_dynamics_along_the_path() {
                 })
                 .collect();
             assert_close(&along, &torque, 1e-12);
+        }
+    }
+}
+
+/// p′ and p″ against differences of poses along a parabola of the joints.
+#[test]
+fn path_terms_have_the_derivatives_of_the_tool() {
+    for (count, seed) in [(2, 41), (6, 42), (7, 43)] {
+        let robot = arm(count, seed);
+        let state = &mut 5;
+        let tcp = Isometry3::new(Vector3::new(0.1, 0.2, -0.1), Vector3::new(0.3, 0.1, 0.2));
+        let point = CurvePoint {
+            position: values(count, 2.0, state),
+            first: values(count, 1.0, state),
+            second: values(count, 1.0, state),
+            third: vec![0.0; count],
+        };
+        let mut terms = PathTerms::default();
+        terms.reset(count, 1);
+        terms.set(0, &point);
+        let on_last = (robot.spec().link_from_tip * tcp).translation.vector;
+        terms.compute(robot.chain(), Some(robot.chain().point_on_last(on_last)));
+        let tool = |s: f64| {
+            let q: Vec<f64> = (0..count)
+                .map(|j| point.position[j] + s * point.first[j] + 0.5 * s * s * point.second[j])
+                .collect();
+            crate::kinematics::pose(&robot, &q, &tcp).translation.vector
+        };
+        let step = 1e-4;
+        let (ahead, here, behind) = (tool(step), tool(0.0), tool(-step));
+        let first = (ahead - behind) / (2.0 * step);
+        let second = (ahead - here * 2.0 + behind) / (step * step);
+        let of = |column: &[f64]| Vector3::from_fn(|axis, _| column[axis * terms.stride]);
+        let (p1, p2) = (of(&terms.tool_first), of(&terms.tool_second));
+        // the axes turn with the link, so lengths and angles are compared
+        for (got, expected) in [
+            (p1.norm(), first.norm()),
+            (p2.norm(), second.norm()),
+            (p1.dot(&p2), first.dot(&second)),
+        ] {
+            assert!(
+                (got - expected).abs() < 1e-6 * (1.0 + expected.abs()),
+                "{got} {expected}"
+            );
         }
     }
 }

@@ -87,6 +87,28 @@ impl<'a> Teacher<'a> {
         self.guided(segment, &curve, target, warnings, budget).map(Some)
     }
 
+    /// The curve of a line or an arc from where the arm is; `None` where it goes nowhere.
+    pub(super) fn curve(&self, segment: usize, shape: &Shape) -> Result<Option<ToolCurve>, Fault> {
+        let curve = match shape {
+            Shape::Line { target } => ToolCurve::line(&self.pose(), &self.pose_of(target)),
+            Shape::Arc(arc) => self.arc(&format!("segments[{segment}].arc"), arc)?,
+            Shape::Joint { .. } | Shape::Spline(_) => return Ok(None),
+        };
+        Ok((!curve.is_shorter_than(SEGMENT_MIN)).then_some(curve))
+    }
+
+    /// Puts the arm where a segment ends, nearest to where it is.
+    pub(super) fn stand_at(&mut self, segment: usize, pose: &Isometry3<f64>) -> Result<(), Fault> {
+        let found = self.inverse.nearest(pose, &self.q);
+        self.q = found.map_err(|unreachable| self.missing(segment, &unreachable))?;
+        Ok(())
+    }
+
+    /// The joints beyond six on the way from where the arm is to where a curve ends.
+    pub(super) fn led_to(&self, segment: usize, curve: &ToolCurve) -> Result<Vec<Led>, Fault> {
+        self.led(segment, curve, None)
+    }
+
     /// A segment whose curve is the tool's. `target` is where it was taught to end, pose and joints.
     fn guided(
         &mut self,

@@ -1,7 +1,9 @@
 mod arc;
 mod hostile;
+mod constant;
 mod joint;
 mod mixed;
+mod plan;
 mod spline;
 mod support;
 mod tool;

@@ -52,7 +52,7 @@ pub fn check_trajectory(robot: &Robot, request: &CheckRequest, budget: &Budget<'
     check_travel(points, &motion)?;
     let torque_limits: Vec<Option<f64>> = limits.iter().map(|limit| limit.torque).collect();
     let verification = verify(robot, &torque_limits, &motion, budget)?;
-    let mut limit_uses = limit_uses(robot, &limits, &motion, &verification, interpolation);
+    let mut limit_uses = limit_uses(&limits, &motion, &verification, interpolation);
     limit_uses.sort_by(|a, b| b.closeness().total_cmp(&a.closeness()));
     Ok(CheckReport {
         holds: limit_uses.iter().all(|used| used.excess <= CHECK_EXCESS),
@@ -335,7 +335,6 @@ fn phase(motion: &Trajectory, joint: usize, demand: &JointDemand) -> Phase {
 
 /// The tightest moment of every known limit.
 fn limit_uses(
-    robot: &Robot,
     limits: &[JointLimit],
     motion: &Trajectory,
     verification: &Verification,
@@ -360,7 +359,6 @@ fn limit_uses(
             demand.time,
             limit.torque,
         ));
-        let known = &robot.spec().joints[joint].limits;
         let rates = RateExtremes::of(motion, joint);
         let velocity = limit.velocity.is_finite().then_some(limit.velocity);
         uses.extend(bounded(
@@ -373,7 +371,7 @@ fn limit_uses(
             let (up, down, jerk) = (rates.acceleration, rates.deceleration, rates.jerk);
             uses.extend(bounded(LimitKind::Acceleration, up.0, up.1, limit.acceleration));
             uses.extend(bounded(LimitKind::Deceleration, down.0, down.1, limit.deceleration));
-            uses.extend(bounded(LimitKind::Jerk, jerk.0, jerk.1, known.jerk));
+            uses.extend(bounded(LimitKind::Jerk, jerk.0, jerk.1, limit.jerk));
         }
         let range = match (limit.position_lower, limit.position_upper) {
             (Some(lower), Some(upper)) if upper > lower => upper - lower,

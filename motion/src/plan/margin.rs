@@ -40,7 +40,7 @@ pub(super) fn of_move(
 }
 
 /// The margins of any motion that is at rest at given times and positions, the last of them at its end.
-pub(super) fn of_demands(
+pub(crate) fn of_demands(
     robot: &Robot,
     limits: &[Option<f64>],
     verification: &Verification,

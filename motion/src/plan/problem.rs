@@ -21,15 +21,16 @@ pub(super) struct Problem {
 
 /// The limits in force for one joint.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct JointLimit {
+pub(crate) struct JointLimit {
     /// `None`: unknown, not checked.
-    pub(super) torque: Option<f64>,
+    pub(crate) torque: Option<f64>,
     /// Largest speed of this move; infinite only where the joint stands still.
-    pub(super) velocity: f64,
-    pub(super) acceleration: Option<f64>,
-    pub(super) deceleration: Option<f64>,
-    pub(super) position_lower: Option<f64>,
-    pub(super) position_upper: Option<f64>,
+    pub(crate) velocity: f64,
+    pub(crate) acceleration: Option<f64>,
+    pub(crate) deceleration: Option<f64>,
+    pub(crate) jerk: Option<f64>,
+    pub(crate) position_lower: Option<f64>,
+    pub(crate) position_upper: Option<f64>,
 }
 
 impl Problem {
@@ -192,7 +193,7 @@ impl Problem {
             names.join(", ")
         };
         let unchecked = names(&|joint| self.limits[joint].torque.is_none());
-        let jerky = names(&|joint| self.moves(joint) && spec.joints[joint].limits.jerk.is_some());
+        let jerky = names(&|joint| self.moves(joint) && self.limits[joint].jerk.is_some());
         if !unchecked.is_empty() {
             self.warnings
                 .push(format!("peak torque unknown, torque not checked: {unchecked}"));
@@ -206,7 +207,7 @@ impl Problem {
 }
 
 /// What of a robot's limits is in force once a request has tightened them.
-pub(super) fn limits_in_force(
+pub(crate) fn limits_in_force(
     robot: &Robot,
     overrides: &[LimitOverride],
     torque_utilization: f64,
@@ -223,6 +224,7 @@ pub(super) fn limits_in_force(
                 velocity: known.velocity.unwrap_or(f64::INFINITY),
                 acceleration: known.acceleration,
                 deceleration: known.deceleration,
+                jerk: known.jerk,
                 position_lower: known.position_lower.filter(|_| limited),
                 position_upper: known.position_upper.filter(|_| limited),
             }
@@ -294,6 +296,9 @@ fn tighten(limit: &mut JointLimit, change: &LimitOverride, peak: Option<f64>, pa
     if deceleration.is_some() {
         limit.deceleration = deceleration;
     }
+    if let Some(jerk) = upper("jerk", change.jerk, limit.jerk) {
+        limit.jerk = Some(jerk);
+    }
     let (lower, upper) = (limit.position_lower, limit.position_upper);
     for (field, value, slot, outward) in [
         ("position_lower", change.position_lower, &mut limit.position_lower, -1.0),
@@ -341,7 +346,7 @@ fn outside(position: f64, lower: Option<f64>, upper: Option<f64>) -> Option<Stri
     None
 }
 
-fn check_positions(robot: &Robot, path: &str, positions: &[f64], wrong: &mut Vec<Invalid>) {
+pub(crate) fn check_positions(robot: &Robot, path: &str, positions: &[f64], wrong: &mut Vec<Invalid>) {
     check_length(path, positions.len(), robot.joint_count(), wrong);
     for (joint, position) in positions.iter().enumerate() {
         if !(position.is_finite() && position.abs() <= POSITION_MAX) {
@@ -351,7 +356,7 @@ fn check_positions(robot: &Robot, path: &str, positions: &[f64], wrong: &mut Vec
     }
 }
 
-pub(super) fn check_length(path: &str, length: usize, joint_count: usize, wrong: &mut Vec<Invalid>) {
+pub(crate) fn check_length(path: &str, length: usize, joint_count: usize, wrong: &mut Vec<Invalid>) {
     if length != joint_count {
         let message = format!("{length} values, the robot has {joint_count} joints");
         wrong.push(Invalid::new(path, message));
@@ -359,19 +364,19 @@ pub(super) fn check_length(path: &str, length: usize, joint_count: usize, wrong:
 }
 
 /// A part of a limit lies in (0, 1].
-pub(super) fn check_part(path: &str, part: f64, wrong: &mut Vec<Invalid>) {
+pub(crate) fn check_part(path: &str, part: f64, wrong: &mut Vec<Invalid>) {
     if !(part > 0.0 && part <= 1.0) {
         wrong.push(Invalid::new(path, format!("{part} must be above 0 and at most 1")));
     }
 }
 
-pub(super) fn check_positive(path: &str, value: f64, wrong: &mut Vec<Invalid>) {
+pub(crate) fn check_positive(path: &str, value: f64, wrong: &mut Vec<Invalid>) {
     if !(value.is_finite() && value > 0.0) {
         wrong.push(Invalid::new(path, format!("{value} must be positive and finite")));
     }
 }
 
-fn check_sampling(sampling: Sampling, wrong: &mut Vec<Invalid>) {
+pub(crate) fn check_sampling(sampling: Sampling, wrong: &mut Vec<Invalid>) {
     match sampling {
         Sampling::None => {}
         Sampling::Period(period) => check_positive("sample_period_s", period, wrong),

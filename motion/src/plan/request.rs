@@ -64,6 +64,8 @@ pub struct LimitOverride {
     pub acceleration: Option<f64>,
     /// Largest deceleration.
     pub deceleration: Option<f64>,
+    /// Largest jerk. Moves have trapezoidal patterns, to which it does not apply.
+    pub jerk: Option<f64>,
     /// Takes the place of the model's peak torque times the utilization.
     pub peak_torque: Option<f64>,
 }

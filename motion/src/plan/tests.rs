@@ -323,6 +323,30 @@ fn overrides_may_tighten_only() {
 }
 
 #[test]
+fn a_jerk_limit_of_a_move_is_checked_and_does_not_apply() {
+    let mut spec = lift(2.0);
+    spec.joints[0].limits.jerk = Some(100.0);
+    let robot = robot(spec);
+    let mut asked = request(&[0.0], &[1.0]);
+    let change = |jerk| LimitOverride {
+        joint: "lift".to_owned(),
+        jerk: Some(jerk),
+        ..LimitOverride::default()
+    };
+    let without = plan(&robot, &asked);
+    asked.limits = vec![change(50.0)];
+    let with = plan(&robot, &asked);
+    assert_eq!(with.patterns, without.patterns);
+    assert!(
+        with.warnings.iter().any(|warning| warning.contains("jerk")),
+        "{:?}",
+        with.warnings
+    );
+    asked.limits = vec![change(101.0)];
+    assert!(findings(&robot, &asked)[0].contains("limits[0].jerk"));
+}
+
+#[test]
 fn a_tighter_acceleration_tightens_the_deceleration_that_is_not_given() {
     let deceleration = |own: Option<f64>, asked: LimitOverride| {
         let mut spec = lift(2.0);

@@ -171,12 +171,9 @@ impl<'a> Path<'a> {
         if fresh.is_empty() {
             return;
         }
-        self.terms.compute(
-            self.problem.robot.chain(),
-            &self.problem.start,
-            &self.problem.displacement,
-            &fresh,
-        );
+        self.terms
+            .set_line(&self.problem.start, &self.problem.displacement, &fresh);
+        self.terms.compute(self.problem.robot.chain(), None);
         for (index, s) in fresh.into_iter().enumerate() {
             self.add_sample(s, index);
         }

@@ -13,11 +13,25 @@ const LOCAL_POINTS: usize = 16;
 
 /// A torque at an override, over its limit.
 #[derive(Debug, Clone, Copy)]
-struct Worst {
-    ratio: f64,
+pub(crate) struct Worst {
+    pub(crate) ratio: f64,
     scale: f64,
     torque: f64,
-    point: Point,
+    pub(crate) point: Point,
+}
+
+impl Worst {
+    /// What it says of the motion, given the joint's torque limit.
+    pub(crate) fn safety(&self, limit: f64) -> OverrideSafety {
+        OverrideSafety {
+            safe: self.ratio <= 1.0,
+            worst_override: self.scale,
+            joint: self.point.joint,
+            torque: self.torque,
+            limit,
+            time: self.point.time,
+        }
+    }
 }
 
 /// The override at which a motion's torque is tightest; `None` where no limit is known.
@@ -32,17 +46,11 @@ pub(super) fn worst(context: &Context<'_>, sweep: &mut Sweep, points: &[Point]) 
             worst = local;
         }
     }
-    Some(OverrideSafety {
-        safe: worst.ratio <= 1.0,
-        worst_override: worst.scale,
-        joint: worst.point.joint,
-        torque: worst.torque,
-        limit: limit(worst.point.joint),
-        time: worst.point.time,
-    })
+    Some(worst.safety(limit(worst.point.joint)))
 }
 
-fn tightest<'a>(points: impl Iterator<Item = &'a Point>, limit: &dyn Fn(usize) -> f64) -> Option<Worst> {
+/// The tightest torque at any override; `limit` is infinite where none is known.
+pub(crate) fn tightest<'a>(points: impl Iterator<Item = &'a Point>, limit: &dyn Fn(usize) -> f64) -> Option<Worst> {
     let mut worst: Option<Worst> = None;
     for point in points {
         let limit = limit(point.joint);

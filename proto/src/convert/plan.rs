@@ -43,7 +43,7 @@ pub fn move_request(wire: v1::PlanMoveRequest, robot: Option<&RobotSpec>, findin
     }
 }
 
-fn configuration(
+pub(super) fn configuration(
     wire: Option<v1::JointPosition>,
     at: Path<'_>,
     joint_count: Option<usize>,
@@ -57,7 +57,7 @@ fn configuration(
     configuration.position
 }
 
-fn limit_overrides(
+pub(super) fn limit_overrides(
     wire: Vec<v1::LimitOverride>,
     at: Path<'_>,
     robot: Option<&RobotSpec>,
@@ -87,6 +87,7 @@ fn limit_overrides(
             acceleration: findings.positive_option(at.field("acceleration"), limit.acceleration, ""),
             deceleration: findings.positive_option(at.field("deceleration"), limit.deceleration, ""),
             peak_torque: findings.positive_option(at.field("peak_torque"), limit.peak_torque, ""),
+            jerk: findings.positive_option(at.field("jerk"), limit.jerk, ""),
             joint: limit.joint,
         });
     }
@@ -102,7 +103,7 @@ fn method(wire: Option<i32>, at: Path<'_>, findings: &mut Findings) -> Method {
     }
 }
 
-fn sampling(period: Option<f64>, trace_points: Option<u32>, findings: &mut Findings) -> Sampling {
+pub(super) fn sampling(period: Option<f64>, trace_points: Option<u32>, findings: &mut Findings) -> Sampling {
     let at = Path::Root;
     let period = findings.positive_option(at.field("sample_period_s"), period, " s");
     match (period, trace_points) {
@@ -207,7 +208,7 @@ pub fn outcome_to_wire(outcome: MoveOutcome, robot: &RobotSpec) -> v1::plan_move
 }
 
 /// The name of a joint.
-fn name(robot: &RobotSpec, joint: usize) -> String {
+pub(super) fn name(robot: &RobotSpec, joint: usize) -> String {
     let joint = robot.joints.get(joint);
     joint.map(|joint| joint.name.clone()).unwrap_or_default()
 }
@@ -274,7 +275,7 @@ fn phase_to_wire(phase: Phase) -> v1::Phase {
     }
 }
 
-fn margins_to_wire(margins: &[TorqueMargin], robot: &RobotSpec) -> Vec<v1::TorqueMargin> {
+pub(super) fn margins_to_wire(margins: &[TorqueMargin], robot: &RobotSpec) -> Vec<v1::TorqueMargin> {
     let margins = margins.iter().map(|margin| v1::TorqueMargin {
         joint: name(robot, margin.joint),
         limit: margin.limit,
@@ -286,6 +287,7 @@ fn margins_to_wire(margins: &[TorqueMargin], robot: &RobotSpec) -> Vec<v1::Torqu
         rated_torque: margin.rated_torque,
         peak_motor_speed: margin.peak_motor_speed,
         peak_power_w: margin.peak_power,
+        location: None,
     });
     margins.collect()
 }
@@ -308,7 +310,7 @@ fn limiting_to_wire(limiting: &Limiting, robot: &RobotSpec) -> v1::Limiting {
     }
 }
 
-fn safety_to_wire(safety: &OverrideSafety, robot: &RobotSpec) -> v1::OverrideSafety {
+pub(super) fn safety_to_wire(safety: &OverrideSafety, robot: &RobotSpec) -> v1::OverrideSafety {
     v1::OverrideSafety {
         safe: safety.safe,
         worst_override: safety.worst_override,
@@ -319,7 +321,7 @@ fn safety_to_wire(safety: &OverrideSafety, robot: &RobotSpec) -> v1::OverrideSaf
     }
 }
 
-fn setpoints_to_wire(setpoints: Setpoints, robot: &RobotSpec) -> v1::Setpoints {
+pub(super) fn setpoints_to_wire(setpoints: Setpoints, robot: &RobotSpec) -> v1::Setpoints {
     let joints = setpoints.joints.into_iter().enumerate();
     let joints = joints.map(|(joint, columns)| v1::JointColumns {
         joint: name(robot, joint),
@@ -331,6 +333,7 @@ fn setpoints_to_wire(setpoints: Setpoints, robot: &RobotSpec) -> v1::Setpoints {
     v1::Setpoints {
         joints: joints.collect(),
         time_s: setpoints.time,
+        ..v1::Setpoints::default()
     }
 }
 

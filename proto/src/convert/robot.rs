@@ -21,7 +21,7 @@ const QUATERNION_NORM_TOLERANCE: f64 = 1e-3;
 
 /// Bounds of a payload and of distances: the same that a description has. Beyond, a unit is mistaken.
 const MASS_MAX: f64 = 1e6;
-const LENGTH_MAX: f64 = 1e5;
+pub(super) const LENGTH_MAX: f64 = 1e5;
 const INERTIA_MAX: f64 = 1e9;
 
 const CONVENTIONS: &str = "STANDARD, MODIFIED";
@@ -262,7 +262,8 @@ pub fn tool(wire: &v1::Tool, at: Path<'_>, findings: &mut Findings) -> Isometry3
     }
 }
 
-fn pose(wire: &v1::Pose, at: Path<'_>, findings: &mut Findings) -> Isometry3<f64> {
+/// Reads a pose.
+pub(super) fn pose(wire: &v1::Pose, at: Path<'_>, findings: &mut Findings) -> Isometry3<f64> {
     let position = findings.vector(at.field("position_m"), &wire.position_m);
     findings.at_most(at.field("position_m"), &wire.position_m, LENGTH_MAX);
     let at = at.field("orientation");

@@ -6,20 +6,26 @@ use takt_motion::{
     Invalid,
     budget::Budget,
     dynamics::{self, Workspace},
-    kinematics,
+    kinematics::{self, inverse::Inverse},
     robot::Robot,
 };
 use takt_proto::{
-    convert::{self, Findings, Path},
-    id::content_hash,
+    convert::{self, Path},
     v1,
 };
 
-use super::{Subject, checked, provenance};
+use super::{Reading, Subject, finite};
 use crate::{config::Limits, error::ServiceError, limits::at_most, planner::stopped};
 
 /// States between two looks at whether anybody still waits.
 const STATES_BETWEEN_CHECKS: usize = 64;
+
+fn check_count(field: &str, count: usize, limits: &Limits) -> Result<(), ServiceError> {
+    match at_most(field, count, limits.max_states, "max_states") {
+        Some(invalid) => Err(ServiceError::invalid(vec![invalid])),
+        None => Ok(()),
+    }
+}
 
 /// Torques of many states.
 pub(crate) fn inverse_dynamics(
@@ -29,22 +35,17 @@ pub(crate) fn inverse_dynamics(
     deadline: Instant,
     budget: &Budget<'_>,
 ) -> Result<v1::InverseDynamicsResponse, ServiceError> {
-    let mut findings = Findings::default();
-    let robot = subject.look(&mut findings);
-    if let Some(invalid) = at_most("states", request.states.len(), limits.max_states, "max_states") {
-        return Err(ServiceError::invalid(vec![invalid]));
-    }
-    let mut hash = String::new();
-    if let Some(robot) = &robot {
-        request.revision = Some(robot.revision.to_string());
-        hash = content_hash("InverseDynamicsRequest", &request);
-    }
-    let joint_count = robot.as_ref().map(|robot| robot.robot.joint_count());
-    convert::dynamics::joint_states(&request.states, joint_count, &mut findings);
-    let wanted = convert::dynamics::wanted(&request.r#return, &mut findings);
-    let payload = request.payload.as_ref();
-    let payload = payload.map(|payload| convert::robot::payload(payload, Path::Root.field("payload"), &mut findings));
-    let (compiled, ()) = checked(findings, robot, ())?;
+    let mut reading = Reading::of(&mut request, subject);
+    check_count("states", request.states.len(), limits)?;
+    let (wanted, payload) = reading.convert(|spec, findings| {
+        let joint_count = spec.map(|spec| spec.joints.len());
+        convert::dynamics::joint_states(&request.states, joint_count, findings);
+        let wanted = convert::dynamics::wanted(&request.r#return, findings);
+        let payload = request.payload.as_ref();
+        let payload = payload.map(|payload| convert::robot::payload(payload, Path::Root.field("payload"), findings));
+        (wanted, payload)
+    });
+    let (compiled, provenance) = reading.checked()?;
     let loaded = payload.map(|payload| compiled.robot.with_payload(&payload));
     let mut states = States::new(loaded.as_ref().unwrap_or(&compiled.robot), wanted);
     let mut results = Vec::with_capacity(request.states.len());
@@ -66,7 +67,7 @@ pub(crate) fn inverse_dynamics(
     }
     Ok(v1::InverseDynamicsResponse {
         results,
-        provenance: Some(provenance(&compiled.revision, hash)),
+        provenance: Some(provenance),
     })
 }
 
@@ -157,21 +158,15 @@ pub(crate) fn forward_kinematics(
     deadline: Instant,
     budget: &Budget<'_>,
 ) -> Result<v1::ForwardKinematicsResponse, ServiceError> {
-    let mut findings = Findings::default();
-    let robot = subject.look(&mut findings);
-    if let Some(invalid) = at_most("states", request.states.len(), limits.max_states, "max_states") {
-        return Err(ServiceError::invalid(vec![invalid]));
-    }
-    let mut hash = String::new();
-    if let Some(robot) = &robot {
-        request.revision = Some(robot.revision.to_string());
-        hash = content_hash("ForwardKinematicsRequest", &request);
-    }
-    let joint_count = robot.as_ref().map(|robot| robot.robot.joint_count());
-    convert::dynamics::joint_positions(&request.states, joint_count, &mut findings);
-    let tool = request.tool.as_ref();
-    let tcp = tool.map(|tool| convert::robot::tool(tool, Path::Root.field("tool"), &mut findings));
-    let (compiled, ()) = checked(findings, robot, ())?;
+    let mut reading = Reading::of(&mut request, subject);
+    check_count("states", request.states.len(), limits)?;
+    let tcp = reading.convert(|spec, findings| {
+        let joint_count = spec.map(|spec| spec.joints.len());
+        convert::dynamics::joint_positions(&request.states, joint_count, findings);
+        let tool = request.tool.as_ref();
+        tool.map(|tool| convert::robot::tool(tool, Path::Root.field("tool"), findings))
+    });
+    let (compiled, provenance) = reading.checked()?;
     let tcp = tcp.unwrap_or(compiled.robot.spec().tcp);
     let mut results = Vec::with_capacity(request.states.len());
     for (index, state) in request.states.iter().enumerate() {
@@ -187,6 +182,54 @@ pub(crate) fn forward_kinematics(
     }
     Ok(v1::ForwardKinematicsResponse {
         results,
-        provenance: Some(provenance(&compiled.revision, hash)),
+        provenance: Some(provenance),
+    })
+}
+
+/// Joint positions of many poses.
+pub(crate) fn inverse_kinematics(
+    mut request: v1::InverseKinematicsRequest,
+    subject: Subject,
+    limits: &Limits,
+    deadline: Instant,
+    budget: &Budget<'_>,
+) -> Result<v1::InverseKinematicsResponse, ServiceError> {
+    let mut reading = Reading::of(&mut request, subject);
+    check_count("targets", request.targets.len(), limits)?;
+    let (poses, tcp) = reading.convert(|spec, findings| {
+        let poses = convert::dynamics::poses(&request, spec, findings);
+        let tool = request.tool.as_ref();
+        let tcp = tool.map(|tool| convert::robot::tool(tool, Path::Root.field("tool"), findings));
+        (poses, tcp)
+    });
+    let (compiled, provenance) = reading.checked()?;
+    let tcp = tcp.unwrap_or(compiled.robot.spec().tcp);
+    let inverse = Inverse::new(&compiled.robot, &tcp);
+    let mut results = Vec::with_capacity(poses.targets.len());
+    let mut solution_count = 0;
+    for (index, pose) in poses.targets.iter().enumerate() {
+        budget.check().map_err(|_| stopped(deadline))?;
+        let found = inverse.solutions(pose, poses.reference.as_deref(), poses.turns);
+        let result = convert::dynamics::solutions_result(found);
+        if !finite::inverse(&result) {
+            let invalid = Invalid::new(format!("targets[{index}]"), "is too large to compute with");
+            return Err(ServiceError::invalid(vec![invalid]));
+        }
+        solution_count += result.solutions.len();
+        if solution_count > limits.max_setpoints {
+            let most = limits.max_setpoints;
+            let message = format!(
+                "the targets up to this one have more than the {most} solutions that `limits.max_setpoints` allows"
+            );
+            return Err(ServiceError::invalid(vec![Invalid::new(
+                format!("targets[{index}]"),
+                message,
+            )]));
+        }
+        results.push(result);
+    }
+    Ok(v1::InverseKinematicsResponse {
+        results,
+        provenance: Some(provenance),
     })
 }

@@ -1,8 +1,10 @@
 //! No number that is not finite leaves the service: JSON has none, and no controller should see one.
 
-use takt_motion::plan::outcome::{
-    CheckReport, Infeasible, MoveOutcome, MovePlan, OverrideSafety, Pattern, Setpoints, TorqueMargin,
+use takt_motion::{
+    path::outcome::{PathInfeasible, PathOutcome, PathPlan, PathSetpoints},
+    plan::outcome::{CheckReport, Infeasible, MoveOutcome, MovePlan, OverrideSafety, Pattern, Setpoints, TorqueMargin},
 };
+use takt_proto::v1;
 
 pub(super) fn outcome(outcome: &MoveOutcome) -> bool {
     match outcome {
@@ -19,6 +21,29 @@ pub(super) fn report(report: &CheckReport) -> bool {
             .map(|limit| [limit.value, limit.limit, limit.time, limit.excess])
             .all(|numbers| all(&numbers))
         && report.override_safe.as_ref().is_none_or(safety)
+}
+
+pub(super) fn path(outcome: &PathOutcome) -> bool {
+    match outcome {
+        PathOutcome::Plan(plan) => path_plan(plan),
+        PathOutcome::Infeasible(refusal) => path_infeasible(refusal),
+    }
+}
+
+pub(super) fn inverse(result: &v1::InverseKinematicsResult) -> bool {
+    let missing = result.out_of_reach.as_ref();
+    let solutions = result.solutions.iter();
+    solutions.clone().all(|solution| all(&solution.position))
+        && solutions
+            .map(|solution| {
+                [
+                    solution.position_error_m,
+                    solution.orientation_error_rad,
+                    solution.smallest_singular_value,
+                ]
+            })
+            .all(|numbers| all(&numbers))
+        && missing.is_none_or(|one| all(&one.nearest_position) && all(&[one.missing_m, one.missing_rad]))
 }
 
 fn all(numbers: &[f64]) -> bool {
@@ -86,5 +111,72 @@ fn infeasible(refusal: &Infeasible) -> bool {
         refusal.available,
         refusal.gravity_torque,
         refusal.feasible_payload.unwrap_or(0.0),
+    ])
+}
+
+fn path_plan(plan: &PathPlan) -> bool {
+    let segments = plan.segments.iter().map(|one| [one.begin, one.end, one.tool_length]);
+    let blends = plan.blends.iter().map(|one| {
+        [
+            one.begin_time,
+            one.end_time,
+            one.deviation,
+            one.corner_distance,
+            one.begin.fraction,
+            one.end.fraction,
+        ]
+    });
+    let uses = plan
+        .limit_uses
+        .iter()
+        .map(|one| [one.value, one.limit, one.margin, one.time, one.location.fraction]);
+    let stretches = plan
+        .limiting
+        .iter()
+        .map(|one| [one.begin, one.end, one.location.fraction]);
+    let transitions = plan
+        .constant_speed
+        .iter()
+        .flat_map(|report| &report.transitions)
+        .map(|one| {
+            [
+                one.begin_time,
+                one.end_time,
+                one.deviation,
+                one.velocity_jump,
+                one.acceleration_jump,
+                one.lowest_speed,
+            ]
+        });
+    let speeds = plan.constant_speed.iter().map(|one| [one.asked, one.speed, one.lowest]);
+    plan.duration.is_finite()
+        && every(segments)
+        && every(blends)
+        && plan.torque_margins.iter().all(margin)
+        && every(uses)
+        && every(stretches)
+        && plan.limit_costs.iter().all(|one| one.time.is_finite())
+        && every(transitions)
+        && every(speeds)
+        && plan.override_safe.as_ref().is_none_or(safety)
+        && plan.setpoints.as_ref().is_none_or(path_setpoints)
+}
+
+fn every<const N: usize>(mut rows: impl Iterator<Item = [f64; N]>) -> bool {
+    rows.all(|numbers| all(&numbers))
+}
+
+fn path_setpoints(path: &PathSetpoints) -> bool {
+    let mut locations = path.locations.iter();
+    setpoints(&path.samples) && all(&path.tool_speed) && locations.all(|one| one.fraction.is_finite())
+}
+
+fn path_infeasible(refusal: &PathInfeasible) -> bool {
+    all(&[
+        refusal.location.fraction,
+        refusal.needed,
+        refusal.available,
+        refusal.gravity_torque,
+        refusal.reachable_fraction.unwrap_or(0.0),
     ])
 }

@@ -8,7 +8,7 @@ use http::{HeaderMap, StatusCode, header};
 use http_body_util::{BodyExt, LengthLimitError, Limited};
 use prost::Message;
 use serde::{Serialize, de::DeserializeOwned};
-use takt_motion::Invalid;
+use takt_motion::{Invalid, budget::Budget};
 use takt_proto::{
     convert::quoted,
     error::{Error, ErrorCode},
@@ -26,6 +26,9 @@ const SHORT_BODY_BYTES: usize = 16 << 10;
 
 /// Messages up to this encoded size are written where they are.
 const SHORT_MESSAGE_BYTES: usize = 8 << 10;
+
+/// What a body is.
+pub(super) const JSON: &str = "application/json";
 
 /// Reads and writes bodies.
 #[derive(Debug)]
@@ -49,7 +52,10 @@ macro_rules! for_robot {
     };
 }
 
-for_robot!(RegisterRobotRequest PlanMoveRequest CheckTrajectoryRequest InverseDynamicsRequest ForwardKinematicsRequest);
+for_robot!(
+    RegisterRobotRequest PlanMoveRequest PlanPathRequest PlanBatchRequest StreamSetpointsRequest CheckTrajectoryRequest
+    InverseDynamicsRequest ForwardKinematicsRequest InverseKinematicsRequest
+);
 
 impl Json {
     pub(super) fn new(service: Arc<Service>, max_bytes: usize) -> Self {
@@ -61,35 +67,46 @@ impl Json {
     where
         T: DeserializeOwned + ForRobot + Send + 'static,
     {
-        if let Some(query) = request.uri().query() {
-            let message = format!("is not known here: {}", quoted(query));
-            return Err(ServiceError::invalid(vec![Invalid::new("?", message)]));
-        }
-        check_kind(request.headers())?;
+        check_query(&request)?;
+        check_kind(request.headers(), &[JSON])?;
         let body = self.body(request).await?;
+        self.message_for(body, &id, call).await
+    }
+
+    /// Reads a message about the robot of the URL.
+    pub(super) async fn message_for<T>(&self, body: Bytes, id: &str, call: Call) -> Result<T, ServiceError>
+    where
+        T: DeserializeOwned + ForRobot + Send + 'static,
+    {
         let mut message: T = if body.len() <= SHORT_BODY_BYTES {
             parse(&body)?
         } else {
-            let job = move |_: &takt_motion::budget::Budget<'_>| parse(&body);
-            self.service.planner().run(call.deadline, job).await?.0
+            let job = move |_: &Budget<'_>| parse(&body);
+            self.service.run(call, job).await?.0
         };
         let named = message.robot_id();
         if !named.is_empty() && *named != id {
-            let message = format!("{} is not the robot of the URL, {}", quoted(named), quoted(&id));
+            let message = format!("{} is not the robot of the URL, {}", quoted(named), quoted(id));
             return Err(ServiceError::invalid(vec![Invalid::new("robot_id", message)]));
         }
-        *named = id;
+        id.clone_into(named);
         Ok(message)
     }
 
+    /// The longest request.
+    pub(super) fn max_bytes(&self) -> usize {
+        self.max_bytes
+    }
+
+    /// Refuses something that is longer.
+    pub(super) fn too_large(&self, what: &str) -> ServiceError {
+        let most = self.max_bytes;
+        let message = format!("{what} is larger than the {most} bytes that `limits.max_request_bytes` allows");
+        ServiceError::new(ErrorCode::TooLarge, message)
+    }
+
     async fn body(&self, request: Request) -> Result<Bytes, ServiceError> {
-        let too_large = || {
-            let message = format!(
-                "the body is larger than the {} bytes that `limits.max_request_bytes` allows",
-                self.max_bytes
-            );
-            ServiceError::new(ErrorCode::TooLarge, message)
-        };
+        let too_large = || self.too_large("the body");
         let announced = hyper::body::Body::size_hint(request.body()).lower();
         if announced > u64::try_from(self.max_bytes).unwrap_or(u64::MAX) {
             return Err(too_large());
@@ -97,14 +114,7 @@ impl Json {
         match Limited::new(request.into_body(), self.max_bytes).collect().await {
             Ok(body) => Ok(body.to_bytes()),
             Err(error) if error.is::<LengthLimitError>() => Err(too_large()),
-            Err(error) => {
-                // axum wraps what the body said.
-                if let Some(status) = error.source().and_then(|said| said.downcast_ref::<tonic::Status>()) {
-                    return Err(Error::from_status(status).into());
-                }
-                let message = format!("the body ended early: {error}");
-                Err(ServiceError::new(ErrorCode::InvalidRequest, message))
-            }
+            Err(error) => Err(ended_early(&*error)),
         }
     }
 
@@ -114,15 +124,22 @@ impl Json {
         T: Serialize + Message + 'static,
     {
         let Answer { message, timing } = answer;
-        let body = if message.encoded_len() <= SHORT_MESSAGE_BYTES {
-            print(&message)?
-        } else {
-            let job = move |_: &takt_motion::budget::Budget<'_>| print(&message);
-            self.service.planner().run(call.deadline, job).await?.0
-        };
+        let body = self.text_of(message, call).await?;
         let mut response = json_response(StatusCode::OK, body);
         add_timing(&mut response, timing);
         Ok(response)
+    }
+
+    /// A message as text.
+    pub(super) async fn text_of<T>(&self, message: T, call: Call) -> Result<Bytes, ServiceError>
+    where
+        T: Serialize + Message + 'static,
+    {
+        if message.encoded_len() <= SHORT_MESSAGE_BYTES {
+            return print(&message);
+        }
+        let job = move |_: &Budget<'_>| print(&message);
+        Ok(self.service.run(call, job).await?.0)
     }
 
     /// Writes an answer that is short or was read from the store.
@@ -131,16 +148,34 @@ impl Json {
     }
 }
 
-fn check_kind(headers: &HeaderMap) -> Result<(), ServiceError> {
+/// Why a body could not be read to its end.
+pub(super) fn ended_early(error: &(dyn std::error::Error + 'static)) -> ServiceError {
+    // axum wraps what the body said.
+    if let Some(status) = error.source().and_then(|said| said.downcast_ref::<tonic::Status>()) {
+        return Error::from_status(status).into();
+    }
+    ServiceError::new(ErrorCode::InvalidRequest, format!("the body ended early: {error}"))
+}
+
+pub(super) fn check_query(request: &Request) -> Result<(), ServiceError> {
+    let Some(query) = request.uri().query() else {
+        return Ok(());
+    };
+    let message = format!("is not known here: {}", quoted(query));
+    Err(ServiceError::invalid(vec![Invalid::new("?", message)]))
+}
+
+/// Checks what the body says that it is; the first kind is the one to name.
+pub(super) fn check_kind(headers: &HeaderMap, kinds: &[&str]) -> Result<(), ServiceError> {
     let Some(kind) = headers.get(header::CONTENT_TYPE) else {
         return Ok(());
     };
     let text = kind.to_str().unwrap_or("");
     let essence = text.split(';').next().unwrap_or("").trim();
-    if essence.eq_ignore_ascii_case("application/json") {
+    if kinds.iter().any(|kind| essence.eq_ignore_ascii_case(kind)) {
         return Ok(());
     }
-    let message = format!("{} is not application/json", quoted(text));
+    let message = format!("{} is not {}", quoted(text), kinds.first().unwrap_or(&JSON));
     Err(ServiceError::invalid(vec![Invalid::new("content-type", message)]))
 }
 

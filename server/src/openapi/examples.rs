@@ -35,8 +35,42 @@ pub(super) fn request(rpc: Rpc) -> Value {
             "return": ["MASS_MATRIX", "JACOBIAN"],
         }),
         Rpc::ForwardKinematics => json!({"states": [{"position": [0.0, -1.57, 1.57, -1.57, -1.57, 0.0]}]}),
+        Rpc::PlanPath => path(),
+        Rpc::PlanBatch => json!({
+            "id": "move-1",
+            "move": {
+                "start": {"position": [0.0, -1.57, 1.57, -1.57, -1.57, 0.0]},
+                "target": {"position": [1.2, -1.0, 1.0, -1.2, -1.57, 0.5]},
+            },
+        }),
+        Rpc::StreamSetpoints => json!({
+            "move": {
+                "start": {"position": [0.0, -1.57, 1.57, -1.57, -1.57, 0.0]},
+                "target": {"position": [1.2, -1.0, 1.0, -1.2, -1.57, 0.5]},
+            },
+            "sample_period_s": 0.008,
+        }),
+        Rpc::InverseKinematics => json!({
+            "targets": [{"pose": {"position_m": [0.4, 0.2, 0.3], "orientation": [0.0, 1.0, 0.0, 0.0]}}],
+            "reference": {"position": [0.0, -1.57, 1.57, -1.57, -1.57, 0.0]},
+        }),
         Rpc::ListRobots | Rpc::GetRobot | Rpc::DeleteRobot | Rpc::ListRevisions => Value::Null,
     }
+}
+
+/// To a part, along a line to it, and back over a blended corner.
+fn path() -> Value {
+    let above = json!({"pose": {"position_m": [0.45, 0.1, 0.25], "orientation": [0.0, 1.0, 0.0, 0.0]}});
+    let part = json!({"pose": {"position_m": [0.45, 0.1, 0.15], "orientation": [0.0, 1.0, 0.0, 0.0]}});
+    json!({
+        "start": {"position": [0.0, -1.57, 1.57, -1.57, -1.57, 0.0]},
+        "segments": [
+            {"joint": {"target": above}, "blend": {"radius_m": 0.03}},
+            {"line": {"target": part}, "limits": {"tcp_velocity_m_per_s": 0.25}, "dwell_s": 0.2},
+            {"line": {"target": above}, "blend": {"radius_m": 0.03}},
+            {"joint": {"target": {"position": [0.0, -1.57, 1.57, -1.57, -1.57, 0.0]}}},
+        ],
+    })
 }
 
 /// Whether a body is a request of this operation.
@@ -52,6 +86,10 @@ pub(super) fn reads(rpc: Rpc, body: &str) -> bool {
         Rpc::CheckTrajectory => is::<v1::CheckTrajectoryRequest>(body),
         Rpc::InverseDynamics => is::<v1::InverseDynamicsRequest>(body),
         Rpc::ForwardKinematics => is::<v1::ForwardKinematicsRequest>(body),
+        Rpc::PlanPath => is::<v1::PlanPathRequest>(body),
+        Rpc::PlanBatch => is::<v1::PlanBatchRequest>(body),
+        Rpc::StreamSetpoints => is::<v1::StreamSetpointsRequest>(body),
+        Rpc::InverseKinematics => is::<v1::InverseKinematicsRequest>(body),
         Rpc::ListRobots | Rpc::GetRobot | Rpc::DeleteRobot | Rpc::ListRevisions => body == "null",
     }
 }

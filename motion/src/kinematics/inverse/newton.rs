@@ -134,7 +134,7 @@ impl<'a> Newton<'a> {
             let longest = moved[..count]
                 .iter()
                 .fold(0.0, |longest: f64, step| longest.max(step.abs()));
-            if longest <= IK_FREE_STEP {
+            if longest * scale <= IK_FREE_STEP {
                 return run;
             }
             let shorter = if longest > IK_STEP_MAX {

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::robot::Robot;
 use crate::robot::spec::JointKind;
-use crate::tolerance::{IK_COPIES_MAX, IK_RANGE_SLACK};
+use crate::tolerance::{IK_COPIES_MAX, IK_DISTINCT, IK_RANGE_SLACK};
 
 /// The range of one joint; infinite where it is not limited.
 #[derive(Debug, Clone, Copy)]
@@ -139,6 +139,13 @@ pub(super) fn fit(ranges: &[Range], q: &mut [f64], reference: &[f64]) {
     }
 }
 
+/// Puts joints that are outside their ranges by rounding onto the end.
+pub(super) fn snap(ranges: &[Range], q: &mut [f64]) {
+    for (q, range) in q.iter_mut().zip(ranges) {
+        *q = range.snapped(*q);
+    }
+}
+
 /// Moves every joint that turns to within half a turn of the reference, whatever its range.
 pub(super) fn unwind(ranges: &[Range], q: &mut [f64], reference: &[f64]) {
     for ((q, range), &reference) in q.iter_mut().zip(ranges).zip(reference) {
@@ -148,12 +155,11 @@ pub(super) fn unwind(ranges: &[Range], q: &mut [f64], reference: &[f64]) {
     }
 }
 
-/// The largest difference of two positions, whole turns left out.
-pub(super) fn difference(ranges: &[Range], a: &[f64], b: &[f64]) -> f64 {
-    let joints = ranges.iter().zip(a).zip(b);
-    joints.fold(0.0, |largest: f64, ((range, &a), &b)| {
+/// Whether two positions are one, whole turns left out.
+pub(super) fn is_same(ranges: &[Range], a: &[f64], b: &[f64]) -> bool {
+    ranges.iter().zip(a).zip(b).all(|((range, &a), &b)| {
         let b = if range.turns { nearest_turn(b, a) } else { b };
-        largest.max((a - b).abs())
+        (a - b).abs() < IK_DISTINCT
     })
 }
 

@@ -1,6 +1,6 @@
 //! Symmetric matrices of up to six rows, in place: JᵀJ + λ·I, J·Jᵀ + λ·I.
 
-use crate::tolerance::{IK_EIGEN_ROUNDING, IK_JACOBI_SWEEPS};
+use crate::tolerance::{IK_EIGEN_ROUNDING, IK_EIGEN_ROUNDS};
 
 /// Rows of a Jacobian: three linear, three angular.
 pub(super) const TASK: usize = 6;
@@ -46,6 +46,7 @@ impl Square {
 
     /// x = A⁻¹·x, by A = L·D·Lᵀ. A pivot that is not positive, which rounding alone makes, stands for a direction
     /// without effect: its unknown is 0.
+    #[allow(clippy::needless_range_loop, reason = "the indices are the formula's")]
     pub(super) fn solve(mut self, x: &mut [f64; TASK]) {
         let n = self.order;
         let mut inverse = [0.0; TASK];
@@ -77,50 +78,143 @@ impl Square {
         }
     }
 
-    /// The smallest eigenvalue, by Jacobi's rotations.
+    /// The smallest eigenvalue of a matrix without negative ones.
+    ///
+    /// Householder's reflections make it tridiagonal (α, β); its characteristic polynomial p and two derivatives follow
+    /// from pₖ = (αₖ − x)·pₖ₋₁ − βₖ²·pₖ₋₂. From the left of all roots Laguerre's steps rise to the smallest one and never
+    /// pass it (B. N. Parlett, "The Symmetric Eigenvalue Problem", 1980; "Laguerre's method applied to the matrix
+    /// eigenvalue problem", 1964).
     pub(super) fn smallest_eigenvalue(mut self) -> f64 {
         let n = self.order;
-        let a = &mut self.entry;
-        for i in 0..n {
-            for j in 0..i {
-                a[j][i] = a[i][j];
-            }
-        }
-        for _ in 0..IK_JACOBI_SWEEPS {
-            let mut off = 0.0;
-            for p in 0..n {
-                for q in p + 1..n {
-                    off += a[p][q] * a[p][q];
-                    rotate(a, n, p, q);
-                }
-            }
-            let trace: f64 = (0..n).map(|i| a[i][i]).sum();
-            if off <= (IK_EIGEN_ROUNDING * trace) * (IK_EIGEN_ROUNDING * trace) {
+        self.tridiagonalize();
+        let trace: f64 = (0..n).map(|i| self.entry[i][i]).sum();
+        let count = n as f64;
+        let mut x = 0.0;
+        for _ in 0..IK_EIGEN_ROUNDS {
+            let [p, slope, curvature] = self.characteristic(x);
+            // left of all roots p is positive and falls; rounding alone leads to their right
+            if p <= 0.0 || slope >= 0.0 {
                 break;
             }
+            // Σ 1/(λᵢ − x) and Σ 1/(λᵢ − x)²
+            let first = -slope / p;
+            let second = first * first - curvature / p;
+            let root = libm::sqrt(((count - 1.0) * (count * second - first * first)).max(0.0));
+            let step = count / (first + root);
+            if !(step.is_finite() && step > trace * IK_EIGEN_ROUNDING) {
+                break;
+            }
+            x += step;
         }
-        (0..n).map(|i| a[i][i]).fold(f64::INFINITY, f64::min)
+        x
+    }
+
+    /// A ← H·A·H for one reflection H = I − 2·v·vᵀ/|v|² after another, each of which clears a column below the
+    /// subdiagonal. Only the lower triangle is kept.
+    #[allow(clippy::needless_range_loop, reason = "the indices are the formula's")]
+    fn tridiagonalize(&mut self) {
+        let n = self.order;
+        for k in 0..n.saturating_sub(2) {
+            let mut v = [0.0; TASK];
+            let mut below = 0.0;
+            for i in k + 1..n {
+                v[i] = self.entry[i][k];
+                below += if i > k + 1 { v[i] * v[i] } else { 0.0 };
+            }
+            if below == 0.0 {
+                continue;
+            }
+            let norm = libm::sqrt(below + v[k + 1] * v[k + 1]);
+            let reflected = if v[k + 1] > 0.0 { -norm } else { norm };
+            v[k + 1] -= reflected;
+            let factor = 2.0 / (below + v[k + 1] * v[k + 1]);
+            let mut w = [0.0; TASK];
+            for i in k + 1..n {
+                for j in k + 1..n {
+                    let entry = if i >= j { self.entry[i][j] } else { self.entry[j][i] };
+                    w[i] += factor * entry * v[j];
+                }
+            }
+            let along = 0.5 * factor * w.iter().zip(&v).map(|(w, v)| w * v).sum::<f64>();
+            for i in k + 1..n {
+                w[i] -= along * v[i];
+            }
+            for i in k + 1..n {
+                for j in k + 1..=i {
+                    self.entry[i][j] -= v[i] * w[j] + w[i] * v[j];
+                }
+            }
+            self.entry[k + 1][k] = reflected;
+        }
+    }
+
+    /// p, p′ and p″ at x of the tridiagonal matrix.
+    fn characteristic(&self, x: f64) -> [f64; 3] {
+        let mut before = [0.0; 3];
+        let mut now = [1.0, 0.0, 0.0];
+        for k in 0..self.order {
+            let a = self.entry[k][k] - x;
+            let beta = if k > 0 { self.entry[k][k - 1] } else { 0.0 };
+            let b = beta * beta;
+            let next = [
+                a * now[0] - b * before[0],
+                a * now[1] - now[0] - b * before[1],
+                a * now[2] - 2.0 * now[1] - b * before[2],
+            ];
+            (before, now) = (now, next);
+        }
+        now
     }
 }
 
-/// Makes entry (p, q) 0: t² + 2·t·θ = 1 with θ = (a_qq − a_pp)/(2·a_pq), the smaller root.
-fn rotate(a: &mut [[f64; TASK]; TASK], n: usize, p: usize, q: usize) {
-    if a[p][q] == 0.0 {
-        return;
+#[cfg(test)]
+mod tests {
+    use super::{Square, TASK};
+    use crate::test_arms::random;
+
+    #[test]
+    fn equations_are_solved() {
+        let state = &mut 2;
+        for round in 0..500 {
+            let mut columns = vec![[0.0; TASK]; 1 + round % 9];
+            columns.iter_mut().flatten().for_each(|entry| *entry = random(state));
+            let expected: [f64; TASK] = std::array::from_fn(|_| random(state));
+            // (J·Jᵀ + 0.1)·x
+            let along: Vec<f64> = columns.iter().map(|column| dot(column, &expected)).collect();
+            let mut x: [f64; TASK] = std::array::from_fn(|row| {
+                let rows = columns.iter().zip(&along);
+                0.1 * expected[row] + rows.map(|(column, along)| column[row] * along).sum::<f64>()
+            });
+            Square::of_rows(&columns, 0.1).solve(&mut x);
+            assert!(x.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-12));
+        }
     }
-    let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-    let root = theta.abs() + libm::sqrt(theta * theta + 1.0);
-    let t = if theta < 0.0 { -1.0 / root } else { 1.0 / root };
-    let c = 1.0 / libm::sqrt(t * t + 1.0);
-    let s = t * c;
-    for row in a.iter_mut().take(n) {
-        let (x, y) = (row[p], row[q]);
-        row[p] = c * x - s * y;
-        row[q] = s * x + c * y;
+
+    fn dot(a: &[f64; TASK], b: &[f64; TASK]) -> f64 {
+        a.iter().zip(b).map(|(a, b)| a * b).sum()
     }
-    for k in 0..n {
-        let (x, y) = (a[p][k], a[q][k]);
-        a[p][k] = c * x - s * y;
-        a[q][k] = s * x + c * y;
+
+    #[test]
+    fn the_smallest_eigenvalue_is_nalgebras() {
+        let state = &mut 1;
+        for round in 0..2000 {
+            let count = 1 + round % 8;
+            let mut columns = vec![[0.0; TASK]; count];
+            columns.iter_mut().flatten().for_each(|entry| *entry = random(state));
+            if round % 5 == 0 {
+                columns[count - 1] = columns[0];
+            }
+            let square = if count < TASK {
+                Square::of_columns(&columns, 0.0)
+            } else {
+                Square::of_rows(&columns, 0.0)
+            };
+            let order = count.min(TASK);
+            let matrix = nalgebra::DMatrix::from_fn(order, order, |i, j| square.entry[i.max(j)][i.min(j)]);
+            let expected = matrix.clone().symmetric_eigenvalues().min();
+            let found = square.smallest_eigenvalue();
+            let tolerance = 1e-14 * matrix.trace();
+            assert!((found - expected).abs() < tolerance, "{found} {expected} of {matrix}");
+        }
     }
 }

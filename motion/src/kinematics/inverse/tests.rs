@@ -1,6 +1,9 @@
 //! Joint positions against the poses that they were made from.
 
 mod arms;
+mod closed_form;
+mod engines;
+mod hard;
 mod numerical;
 
 use nalgebra::Isometry3;

@@ -107,14 +107,14 @@ pub(super) fn with_ranges(robot: &Robot, ranges: &[(f64, f64)]) -> Robot {
 }
 
 /// Turning joints about lines in base-link axes, each through a point along a direction; frames stand askew.
-pub(super) fn about_lines(lines: &[([f64; 3], [f64; 3])], state: &mut u64) -> Robot {
+pub(super) fn about_lines(lines: &[[Vector3<f64>; 2]; 6], state: &mut u64) -> Robot {
     let mut vector = |reach: f64| Vector3::from_fn(|_, _| reach * crate::test_arms::random(state));
     let mut joints = crate::test_arms::random_arm(lines.len(), 1).joints;
     let mut base_from_before = Isometry3::identity();
-    for (joint, (point, axis)) in joints.iter_mut().zip(lines) {
+    for (joint, [point, axis]) in joints.iter_mut().zip(lines) {
         // any frame on the line will do: shifted along it and turned
-        let axis = Vector3::from(*axis).normalize();
-        let on_line = Vector3::from(*point) + axis * vector(0.2).x;
+        let axis = axis.normalize();
+        let on_line = point + axis * vector(0.2).x;
         let base_from_joint = Isometry3::new(on_line, vector(1.5));
         joint.kind = JointKind::Revolute;
         joint.parent_from_joint = base_from_before.inverse() * base_from_joint;

@@ -1,0 +1,356 @@
+//! From a program to a verified, timed path, or to the evidence why there is none.
+
+use std::fmt::Debug;
+
+use super::answer;
+use super::fault::infeasible;
+use super::outcome::{
+    BlendReport, ConstantSpeedReport, Location, PathInfeasible, PathInfeasibleReason, PathLimit, PathOutcome,
+};
+use super::problem::Problem;
+use super::request::{PathRequest, Shape, Space, Target, Timing};
+use super::stroke::{Span, Stroke};
+use super::verify::{Examined, Tightest, Timed, examine};
+use super::{build, constant};
+use crate::budget::Budget;
+use crate::curve::{Curve, CurvePoint, Side};
+use crate::error::Invalid;
+use crate::plan::Failure;
+use crate::plan::request::Sampling;
+use crate::robot::Robot;
+use crate::timing::law::TimeLaw;
+use crate::timing::{self, Obstacle, Task};
+use crate::tolerance::{
+    DURATION_MAX, PATH_SLOW_RESERVE, PATH_SLOW_ROUNDS, SETPOINTS_MAX, TIMING_INTERVALS, TRAVEL_MIN,
+};
+
+/// A path without a stop within it, as the answer sees it.
+pub(super) trait Run: Curve + Debug {
+    /// Where its segments are, in order, without gaps.
+    fn spans(&self) -> &[Span];
+
+    /// Where on the request's segments a point is.
+    fn location(&self, s: f64) -> Location;
+}
+
+/// A path, timed and verified.
+#[derive(Debug)]
+pub(super) struct TimedRun {
+    pub(super) run: Box<dyn Run>,
+    pub(super) law: TimeLaw,
+    pub(super) examined: Examined,
+    /// When it begins, s.
+    pub(super) begin: f64,
+    /// Time at rest after it, s.
+    pub(super) dwell: f64,
+    /// Whether the arm stands still where it ends.
+    pub(super) ends_at_rest: bool,
+}
+
+/// Everything that runs, in time order, and what is said of it.
+pub(super) struct Runs {
+    pub(super) runs: Vec<TimedRun>,
+    pub(super) initial_dwell: f64,
+    pub(super) blends: Vec<BlendReport>,
+    pub(super) tool_lengths: Vec<f64>,
+    pub(super) warnings: Vec<String>,
+    pub(super) continuity: u32,
+    pub(super) constant_speed: Option<ConstantSpeedReport>,
+}
+
+impl Runs {
+    /// When everything is over, s.
+    pub(super) fn duration(&self) -> f64 {
+        self.runs.last().map_or(self.initial_dwell, |run| run.end() + run.dwell)
+    }
+}
+
+impl TimedRun {
+    /// When it ends, before the dwell.
+    pub(super) fn end(&self) -> f64 {
+        self.begin + self.law.duration()
+    }
+
+    /// Where the arm stands after it: the taught joints themselves, not what rounding makes of them.
+    pub(super) fn rest(&self, request: &PathRequest) -> Vec<f64> {
+        let last = self.run.spans().last();
+        let target = last.and_then(|span| request.segments[span.segment].shape.target());
+        if let Some(Target::Joints(joints)) = target {
+            return joints.clone();
+        }
+        let mut point = CurvePoint::new(self.run.joint_count());
+        self.run.evaluate(self.run.length(), Side::Before, &mut point);
+        point.position
+    }
+}
+
+/// Plans a robot program.
+///
+/// # Errors
+/// A request that is wrong, or a budget that ended. A program that cannot be run is not an error: it is an outcome.
+pub fn plan_path(robot: &Robot, request: &PathRequest, budget: &Budget<'_>) -> Result<PathOutcome, Failure> {
+    let problem = Problem::new(robot, request)?;
+    let cycle = match request.sampling {
+        Sampling::Period(period) => Some(period),
+        Sampling::None | Sampling::Trace(_) => None,
+    };
+    let runs = match request.timing {
+        Timing::Optimal => fastest(&problem, request, cycle, budget)?,
+        Timing::ConstantSpeed => constant::at_constant_speed(&problem, request, cycle, budget)?,
+    };
+    let mut runs = match runs {
+        Ok(runs) => runs,
+        Err(infeasible) => return Ok(PathOutcome::Infeasible(infeasible)),
+    };
+    check_duration(runs.duration(), cycle)?;
+    runs.warnings.splice(0..0, problem.warnings.iter().cloned());
+    let plan = answer::assemble(&problem, request, runs, budget)?;
+    Ok(PathOutcome::Plan(Box::new(plan)))
+}
+
+/// Times every stroke of the program as fast as its limits allow.
+fn fastest(
+    problem: &Problem,
+    request: &PathRequest,
+    cycle: Option<f64>,
+    budget: &Budget<'_>,
+) -> Result<Result<Runs, PathInfeasible>, Failure> {
+    let program = match build(&problem.robot, &problem.tcp, request, budget)? {
+        Ok(program) => program,
+        Err(infeasible) => return Ok(Err(infeasible)),
+    };
+    let mut runs = Runs {
+        runs: Vec::with_capacity(program.strokes.len()),
+        initial_dwell: in_cycles(program.initial_dwell, cycle),
+        blends: program.blends,
+        tool_lengths: program.tool_lengths,
+        warnings: program.warnings,
+        continuity: program.continuity,
+        constant_speed: None,
+    };
+    let last = program.strokes.len().saturating_sub(1);
+    for (index, stroke) in program.strokes.into_iter().enumerate() {
+        let start = request.start_speed.filter(|_| index == 0);
+        let end = request.end_speed.filter(|_| index == last);
+        if (start.is_some() || end.is_some()) && problem.limits_jerk(stroke.spans()) {
+            let path = if start.is_some() { "start_speed" } else { "end_speed" };
+            let message =
+                "a speed at an end of the path is not planned together with jerk limits; give limit_jerk false";
+            return Err(Failure::Invalid(vec![Invalid::new(path, message)]));
+        }
+        let speeds = [(0.0, start), (stroke.length(), end)].map(|(s, speed)| rate(problem, request, &stroke, s, speed));
+        let run = match time(problem, stroke, speeds, runs.duration(), cycle, budget)? {
+            Ok(run) => run,
+            Err(infeasible) => return Ok(Err(infeasible)),
+        };
+        runs.runs.push(run);
+    }
+    Ok(Ok(runs))
+}
+
+impl Run for Stroke {
+    fn spans(&self) -> &[Span] {
+        Stroke::spans(self)
+    }
+
+    fn location(&self, s: f64) -> Location {
+        Stroke::location(self, s)
+    }
+}
+
+/// Path speed that gives the tool a speed, or the fastest joint where the path there is one of the joints.
+fn rate(problem: &Problem, request: &PathRequest, stroke: &Stroke, s: f64, speed: Option<f64>) -> f64 {
+    let Some(speed) = speed else { return 0.0 };
+    let mut point = CurvePoint::new(problem.robot.joint_count());
+    stroke.evaluate(s, Side::After, &mut point);
+    let of_joints = match &request.segments[stroke.location(s).segment].shape {
+        Shape::Joint { .. } => true,
+        Shape::Spline(spline) => spline.space == Space::Joint,
+        Shape::Line { .. } | Shape::Arc(_) => false,
+    };
+    let unit = if of_joints {
+        point.first.iter().fold(0.0, |most: f64, rate| most.max(rate.abs()))
+    } else {
+        stroke.tool(&point).first.norm()
+    };
+    if unit > TRAVEL_MIN { speed / unit } else { 0.0 }
+}
+
+/// A time at rest as a whole number of cycles.
+pub(super) fn in_cycles(dwell: f64, cycle: Option<f64>) -> f64 {
+    cycle.map_or(dwell, |cycle| (dwell / cycle).ceil() * cycle)
+}
+
+/// Times one stroke, and slows it down until the verifier finds every limit kept.
+fn time(
+    problem: &Problem,
+    stroke: Stroke,
+    speeds: [f64; 2],
+    begin: f64,
+    cycle: Option<f64>,
+    budget: &Budget<'_>,
+) -> Result<Result<TimedRun, PathInfeasible>, Failure> {
+    let limits = problem.limits(stroke.spans());
+    let task = Task {
+        robot: &problem.robot,
+        tcp: &problem.tcp,
+        curve: &stroke,
+        limits: &limits,
+        end_speeds: speeds,
+        intervals: TIMING_INTERVALS,
+    };
+    let timing = if problem.limits_jerk(stroke.spans()) {
+        timing::jerk::jerk_limited(&task, budget)?
+    } else {
+        timing::optimal(&task, budget)?
+    };
+    let mut law = match timing {
+        Ok(timing) => timing.law,
+        Err(obstacle) => return Ok(Err(refusal(&stroke, &obstacle))),
+    };
+    if let Some(cycle) = cycle
+        && speeds == [0.0; 2]
+    {
+        law = law.in_whole_cycles(cycle);
+    }
+    let ranges = problem.ranges();
+    for _ in 0..PATH_SLOW_ROUNDS {
+        let timed = Timed {
+            curve: &stroke,
+            law: &law,
+            limits: &limits,
+            begin,
+        };
+        let examined = examine(&problem.robot, &problem.tcp, timed, &ranges, budget)?;
+        let Some(worst) = worst(&examined) else {
+            return Ok(Ok(TimedRun {
+                dwell: in_cycles(stroke.dwell(), cycle),
+                run: Box::new(stroke),
+                law,
+                examined,
+                begin,
+                ends_at_rest: speeds[1] == 0.0,
+            }));
+        };
+        let factor = match slower(&worst, &examined) {
+            Some(factor) if speeds == [0.0; 2] => factor,
+            _ => return Ok(Err(broken(&stroke, &worst, &examined))),
+        };
+        law = law.slowed(factor);
+        if let Some(cycle) = cycle {
+            law = law.in_whole_cycles(cycle);
+        }
+    }
+    let why = "no timing was found that keeps every limit".to_owned();
+    Ok(Err(infeasible(
+        PathInfeasibleReason::NoTiming,
+        stroke.location(0.0),
+        why,
+    )))
+}
+
+/// The limit that is broken most, if any is.
+pub(super) fn worst(examined: &Examined) -> Option<Tightest> {
+    let broken = examined.tightest.iter().filter(|tightest| tightest.ratio > 1.0);
+    broken.fold(None, |worst: Option<Tightest>, tightest| match worst {
+        Some(worst) if worst.ratio >= tightest.ratio => Some(worst),
+        _ => Some(*tightest),
+    })
+}
+
+/// The part of the speed at which a broken limit holds; `None` where no speed helps.
+pub(super) fn slower(worst: &Tightest, examined: &Examined) -> Option<f64> {
+    let factor = match worst.kind {
+        PathLimit::Velocity | PathLimit::ToolVelocity | PathLimit::ConstantSpeed => 1.0 / worst.ratio,
+        PathLimit::Acceleration | PathLimit::ToolAcceleration => worst.ratio.sqrt().recip(),
+        PathLimit::Jerk => libm::cbrt(worst.ratio).recip(),
+        PathLimit::Torque => {
+            let point = examined.torque?;
+            let holds = |scale: f64| point.torque(scale).abs() <= worst.limit;
+            if !holds(0.0) {
+                return None;
+            }
+            let (mut low, mut high) = (0.0, 1.0);
+            for _ in 0..PATH_SLOW_ROUNDS {
+                let middle = 0.5 * (low + high);
+                if holds(middle) {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+            low
+        }
+        PathLimit::PositionLower | PathLimit::PositionUpper | PathLimit::Rest => return None,
+    };
+    (factor > 0.0).then_some(factor * (1.0 - PATH_SLOW_RESERVE))
+}
+
+/// The evidence where a limit is broken and slowing down does not help.
+pub(super) fn broken(run: &dyn Run, worst: &Tightest, examined: &Examined) -> PathInfeasible {
+    let (reason, suggestion) = match worst.kind {
+        PathLimit::PositionLower | PathLimit::PositionUpper => (
+            PathInfeasibleReason::JointRange,
+            "teach the points of this segment so that the joint stays within its range",
+        ),
+        PathLimit::Torque if examined.torque.is_some_and(|point| point.still.abs() > worst.limit) => (
+            PathInfeasibleReason::MovingTorque,
+            "a lighter payload, or a way on which gravity pulls less on this joint",
+        ),
+        _ => (
+            PathInfeasibleReason::BoundarySpeed,
+            "a lower speed at the start or the end of the path",
+        ),
+    };
+    PathInfeasible {
+        joint: worst.joint,
+        needed: worst.value,
+        available: worst.limit,
+        gravity_torque: examined
+            .torque
+            .filter(|point| Some(point.joint) == worst.joint && worst.kind == PathLimit::Torque)
+            .map_or(0.0, |point| point.gravity),
+        ..infeasible(reason, run.location(worst.s), suggestion.to_owned())
+    }
+}
+
+/// The evidence of the timing, at its place in the program.
+fn refusal(stroke: &Stroke, obstacle: &Obstacle) -> PathInfeasible {
+    let location: Location = stroke.location(obstacle.s);
+    PathInfeasible {
+        joint: obstacle.joint,
+        needed: obstacle.needed,
+        available: obstacle.available,
+        gravity_torque: obstacle.gravity_torque,
+        ..infeasible(obstacle.reason, location, suggestion(obstacle.reason).to_owned())
+    }
+}
+
+/// What would make a path feasible.
+fn suggestion(reason: PathInfeasibleReason) -> &'static str {
+    match reason {
+        PathInfeasibleReason::HoldingTorque | PathInfeasibleReason::MovingTorque => {
+            "a lighter payload, a higher torque utilization, or a way on which gravity pulls less on this joint"
+        }
+        PathInfeasibleReason::BoundarySpeed => "a lower speed at the start or the end of the path",
+        _ => "looser limits, or a path without sharp bends",
+    }
+}
+
+fn check_duration(duration: f64, cycle: Option<f64>) -> Result<(), Failure> {
+    let failure = |path: &str, message: String| Err(Failure::Invalid(vec![Invalid::new(path, message)]));
+    if duration > DURATION_MAX {
+        let message = format!("the path takes {duration:.3e} s, the most is {DURATION_MAX} s: a limit is far too low");
+        return failure("limits", message);
+    }
+    if let Some(cycle) = cycle
+        && duration / cycle > SETPOINTS_MAX as f64
+    {
+        let count = duration / cycle;
+        return failure(
+            "sample_period_s",
+            format!("{cycle} s makes {count:.0} set-points, the most is {SETPOINTS_MAX}"),
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,613 @@
+//! The verifier of timed paths: what a motion asks of every joint, every drive and the tool, everywhere along it.
+//!
+//! It goes from s(t) to positions, velocities, accelerations and jerks in time, by the chain rule,
+//!
+//! ```text
+//! q̇ = q′ṡ      q̈ = q′s̈ + q″ṡ²      q⃛ = q′s⃛ + 3q″ṡs̈ + q‴ṡ³
+//! ```
+//!
+//! and from there to torques by inverse dynamics and to the tool by its own recursion. Of the planner's terms along the
+//! path it uses none. Every interval of the time law is sampled [`PARTS`] times, on both of its ends from within, where
+//! accelerations may jump; between samples every maximum that might be the largest is found by parabolas; where a joint
+//! turns back, its friction is taken on either side.
+
+use nalgebra::Isometry3;
+
+use super::outcome::PathLimit;
+use crate::budget::{Budget, Stopped};
+use crate::curve::{Curve, CurvePoint, Side};
+use crate::dynamics::sweep::Sweep;
+use crate::dynamics::{self, Workspace};
+use crate::kinematics::{self, ToolMotion};
+use crate::plan::outcome::OverrideSafety;
+use crate::robot::Robot;
+use crate::timing::law::TimeLaw;
+use crate::timing::limits::{Limits, Stretch};
+use crate::tolerance::REFINE_GAIN;
+use crate::verify::{JointDemand, Point, overrides};
+
+/// Samples of an interval of the time law, less one.
+const PARTS: usize = 10;
+
+/// Intervals computed at once: it bounds the scratch memory.
+const BLOCK: usize = 48;
+
+/// How far inside an interval its ends are sampled, as part of it.
+const INSIDE: f64 = 1.0e-9;
+
+/// Rounds of parabolas on a maximum between samples.
+const ROUNDS: usize = 4;
+
+/// A maximum between samples is looked for where a parabola's bound reaches this close to the largest that is known, or
+/// to the limit.
+const NEAR: f64 = 1.0e-3;
+
+/// A path and when it is where.
+#[derive(Clone, Copy)]
+pub(super) struct Timed<'a> {
+    pub(super) curve: &'a dyn Curve,
+    pub(super) law: &'a TimeLaw,
+    pub(super) limits: &'a Limits,
+    /// When it begins, s.
+    pub(super) begin: f64,
+}
+
+/// The tightest moment of one limit on one path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Tightest {
+    pub(super) kind: PathLimit,
+    /// `None`: the tool's.
+    pub(super) joint: Option<usize>,
+    pub(super) value: f64,
+    pub(super) limit: f64,
+    /// |value| / limit.
+    pub(super) ratio: f64,
+    /// Since the whole motion began, s.
+    pub(super) time: f64,
+    pub(super) s: f64,
+}
+
+/// Which limit is the tightest in one interval of the time law.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Ruling {
+    pub(super) begin: f64,
+    pub(super) end: f64,
+    pub(super) s: f64,
+    pub(super) kind: PathLimit,
+    pub(super) joint: Option<usize>,
+}
+
+/// What a path asks.
+#[derive(Debug, Clone)]
+pub(super) struct Examined {
+    /// One a joint.
+    pub(super) demands: Vec<JointDemand>,
+    /// One for each limit that is known.
+    pub(super) tightest: Vec<Tightest>,
+    /// One for each interval.
+    pub(super) rulings: Vec<Ruling>,
+    /// The torque that comes closest to, or goes farthest beyond its limit, by how it scales with speed.
+    pub(super) torque: Option<Point>,
+    pub(super) override_safe: Option<OverrideSafety>,
+}
+
+/// The state of the motion at one moment.
+#[derive(Debug)]
+pub(super) struct State {
+    pub(super) s: f64,
+    pub(super) position: Vec<f64>,
+    pub(super) velocity: Vec<f64>,
+    pub(super) acceleration: Vec<f64>,
+    pub(super) jerk: Vec<f64>,
+    point: CurvePoint,
+}
+
+impl State {
+    pub(super) fn new(joint_count: usize) -> Self {
+        let zeros = || vec![0.0; joint_count];
+        Self {
+            s: 0.0,
+            position: zeros(),
+            velocity: zeros(),
+            acceleration: zeros(),
+            jerk: zeros(),
+            point: CurvePoint::new(joint_count),
+        }
+    }
+
+    /// At rest.
+    pub(super) fn rest_at(&mut self, position: &[f64]) {
+        self.position.copy_from_slice(position);
+        for rates in [&mut self.velocity, &mut self.acceleration, &mut self.jerk] {
+            rates.fill(0.0);
+        }
+    }
+
+    /// The state at a time since the path began, from one side of a place where derivatives jump.
+    pub(super) fn set(&mut self, curve: &dyn Curve, law: &TimeLaw, time: f64, side: Side) {
+        let at = law.at(time);
+        curve.evaluate(at.position, side, &mut self.point);
+        self.s = at.position;
+        let (rate, acceleration, jerk) = (at.velocity, at.acceleration, at.jerk);
+        let point = &self.point;
+        self.position.copy_from_slice(&point.position);
+        for joint in 0..self.position.len() {
+            let (first, second, third) = (point.first[joint], point.second[joint], point.third[joint]);
+            self.velocity[joint] = first * rate;
+            self.acceleration[joint] = first * acceleration + second * rate * rate;
+            self.jerk[joint] = first * jerk + 3.0 * second * rate * acceleration + third * rate * rate * rate;
+        }
+    }
+}
+
+/// Limits of each joint before those of the tool.
+const JOINT_CHANNELS: [PathLimit; 6] = [
+    PathLimit::Torque,
+    PathLimit::Velocity,
+    PathLimit::Acceleration,
+    PathLimit::Jerk,
+    PathLimit::PositionLower,
+    PathLimit::PositionUpper,
+];
+
+/// Examines one path. `ranges` are the position limits of the joints.
+///
+/// # Errors
+/// [`Stopped`], when nobody waits any more.
+pub(super) fn examine(
+    robot: &Robot,
+    tcp: &Isometry3<f64>,
+    timed: Timed<'_>,
+    ranges: &[[Option<f64>; 2]],
+    budget: &Budget<'_>,
+) -> Result<Examined, Stopped> {
+    let mut examiner = Examiner::new(robot, tcp, timed, ranges);
+    let breaks = timed.law.times();
+    let mut first = 0;
+    while first + 1 < breaks.len() {
+        budget.check()?;
+        let last = (first + BLOCK).min(breaks.len() - 1);
+        examiner.block(&breaks[first..=last]);
+        first = last;
+    }
+    Ok(examiner.finish())
+}
+
+struct Examiner<'a> {
+    robot: &'a Robot,
+    tcp: &'a Isometry3<f64>,
+    timed: Timed<'a>,
+    ranges: &'a [[Option<f64>; 2]],
+    sweep: Sweep,
+    state: State,
+    torque: Vec<f64>,
+    workspace: Workspace,
+    /// Values of every limit at the samples of a block, sample by sample.
+    values: Vec<f64>,
+    places: Vec<f64>,
+    times: Vec<f64>,
+    examined: Examined,
+    /// Index into `examined.tightest` by channel.
+    known: Vec<Option<usize>>,
+    worst: Option<overrides::Worst>,
+}
+
+impl<'a> Examiner<'a> {
+    fn new(robot: &'a Robot, tcp: &'a Isometry3<f64>, timed: Timed<'a>, ranges: &'a [[Option<f64>; 2]]) -> Self {
+        let count = robot.joint_count();
+        Self {
+            robot,
+            tcp,
+            timed,
+            ranges,
+            sweep: Sweep::default(),
+            state: State::new(count),
+            torque: vec![0.0; count],
+            workspace: Workspace::new(robot),
+            values: Vec::new(),
+            places: Vec::new(),
+            times: Vec::new(),
+            examined: Examined {
+                demands: vec![JointDemand::default(); count],
+                tightest: Vec::new(),
+                rulings: Vec::new(),
+                torque: None,
+                override_safe: None,
+            },
+            known: vec![None; count * JOINT_CHANNELS.len() + 2],
+            worst: None,
+        }
+    }
+
+    fn channels(&self) -> usize {
+        self.known.len()
+    }
+
+    /// What a channel is of.
+    fn channel(&self, channel: usize) -> (PathLimit, Option<usize>) {
+        let joints = self.robot.joint_count() * JOINT_CHANNELS.len();
+        match channel.checked_sub(joints) {
+            None => (
+                JOINT_CHANNELS[channel % JOINT_CHANNELS.len()],
+                Some(channel / JOINT_CHANNELS.len()),
+            ),
+            Some(0) => (PathLimit::ToolVelocity, None),
+            Some(_) => (PathLimit::ToolAcceleration, None),
+        }
+    }
+
+    /// The limit of a channel on a stretch; `None` where there is none.
+    fn limit(&self, channel: usize, stretch: &Stretch) -> Option<f64> {
+        let (kind, joint) = self.channel(channel);
+        let of_joint = |joint: usize| &stretch.joints[joint];
+        match (kind, joint) {
+            (PathLimit::Torque, Some(joint)) => of_joint(joint).torque,
+            (PathLimit::Velocity, Some(joint)) => of_joint(joint).velocity,
+            (PathLimit::Acceleration, Some(joint)) => of_joint(joint).acceleration,
+            (PathLimit::Jerk, Some(joint)) => of_joint(joint).jerk,
+            (PathLimit::PositionLower, Some(joint)) => self.ranges[joint][0],
+            (PathLimit::PositionUpper, Some(joint)) => self.ranges[joint][1],
+            (PathLimit::ToolVelocity, _) => stretch.tool_velocity,
+            _ => stretch.tool_acceleration,
+        }
+    }
+
+    /// How much of a limit a value uses: above 1 it is broken. Of a range, counted from its other end.
+    fn ratio(&self, channel: usize, value: f64, limit: f64) -> f64 {
+        let (kind, joint) = self.channel(channel);
+        let range = || {
+            let [lower, upper] = joint.map_or([None; 2], |joint| self.ranges[joint]);
+            lower
+                .zip(upper)
+                .map_or(1.0, |(lower, upper)| (upper - lower).max(f64::MIN_POSITIVE))
+        };
+        match kind {
+            PathLimit::PositionLower => 1.0 + (limit - value) / range(),
+            PathLimit::PositionUpper => 1.0 + (value - limit) / range(),
+            _ => value.abs() / limit,
+        }
+    }
+
+    /// Samples and examines some intervals, given by their ends.
+    fn block(&mut self, breaks: &[f64]) {
+        let count = self.robot.joint_count();
+        let samples = (breaks.len() - 1) * (PARTS + 1);
+        let bounds_tool = self.timed.limits.bound_the_tool();
+        let channels = self.channels();
+        self.sweep.reset(count, samples);
+        self.values.clear();
+        self.values.resize(samples * channels, 0.0);
+        self.places.clear();
+        self.times.clear();
+        for (interval, ends) in breaks.windows(2).enumerate() {
+            for part in 0..=PARTS {
+                let sample = interval * (PARTS + 1) + part;
+                let (time, side) = moment(ends, part);
+                self.state.set(self.timed.curve, self.timed.law, time, side);
+                for joint in 0..count {
+                    let entry = self.sweep.column(joint) + sample;
+                    self.sweep.position[entry] = self.state.position[joint];
+                    self.sweep.velocity[entry] = self.state.velocity[joint];
+                    self.sweep.acceleration[entry] = self.state.acceleration[joint];
+                }
+                let tool = bounds_tool.then(|| self.tool());
+                fill(
+                    &self.state,
+                    tool,
+                    &mut self.values[sample * channels..(sample + 1) * channels],
+                );
+                self.places.push(self.state.s);
+                self.times.push(time);
+            }
+        }
+        self.sweep.compute(self.robot.chain());
+        self.add_torques(samples);
+        for (interval, ends) in breaks.windows(2).enumerate() {
+            self.interval(interval * (PARTS + 1), ends);
+        }
+    }
+
+    fn tool(&self) -> ToolMotion {
+        let state = &self.state;
+        kinematics::tool_motion(
+            self.robot,
+            &state.position,
+            &state.velocity,
+            &state.acceleration,
+            self.tcp,
+        )
+    }
+
+    /// Completes the rigid bodies' torques by the drives', and keeps what slower overrides need.
+    fn add_torques(&mut self, samples: usize) {
+        let channels = self.channels();
+        let limits = self.timed.limits;
+        let mut points = Vec::new();
+        for (joint, drive) in self.robot.drives().iter().enumerate() {
+            for sample in 0..samples {
+                let entry = self.sweep.column(joint) + sample;
+                let (velocity, acceleration) = (self.sweep.velocity[entry], self.sweep.acceleration[entry]);
+                let gravity = self.sweep.gravity[entry];
+                let point = Point {
+                    joint,
+                    time: self.timed.begin + self.times[sample],
+                    segment: 0,
+                    dynamic: self.sweep.torque[entry] - gravity + drive.armature * acceleration,
+                    viscous: drive.viscous * velocity,
+                    still: gravity + drive.coulomb(velocity),
+                    gravity,
+                };
+                let torque = point.torque(1.0);
+                self.values[sample * channels + joint * JOINT_CHANNELS.len()] = torque;
+                let demand = &mut self.examined.demands[joint];
+                if torque.abs() > demand.peak_torque.abs() {
+                    (demand.peak_torque, demand.time) = (torque, point.time);
+                }
+                demand.peak_velocity = demand.peak_velocity.max(velocity.abs());
+                demand.peak_power = demand.peak_power.max((torque * velocity).abs());
+                let before = sample % (PARTS + 1) != 0;
+                if before {
+                    let step = self.times[sample] - self.times[sample - 1];
+                    let last = self.values[(sample - 1) * channels + joint * JOINT_CHANNELS.len()];
+                    // Simpson's rule would need the middle; at eleven samples the trapezoid is as true as it need be
+                    demand.torque_squared += 0.5 * step * (torque * torque + last * last);
+                }
+                points.push(point);
+            }
+        }
+        // a joint's limit may differ from stretch to stretch: the tightest one is taken for all
+        let tightest = |joint: usize| {
+            let stretches = limits.stretches.iter();
+            stretches
+                .filter_map(|stretch| stretch.joints[joint].torque)
+                .fold(f64::INFINITY, f64::min)
+        };
+        let worst = overrides::tightest(points.iter(), &tightest);
+        if let Some(worst) = worst
+            && worst.ratio.is_finite()
+            && self.worst.as_ref().is_none_or(|known| worst.ratio > known.ratio)
+        {
+            self.worst = Some(worst);
+        }
+    }
+
+    /// Finds the maxima of one interval, whose samples begin at `first`.
+    fn interval(&mut self, first: usize, ends: &[f64]) {
+        let side = Side::After;
+        let middle = self.places[first + PARTS / 2];
+        let limits = self.timed.limits;
+        let stretch = &limits.stretches[limits.stretch_at(middle, side)];
+        let mut ruling: Option<(f64, usize)> = None;
+        for channel in 0..self.channels() {
+            let Some(limit) = self.limit(channel, stretch) else {
+                continue;
+            };
+            let value = |part: usize| self.values[(first + part) * self.channels() + channel];
+            let ratios: [f64; PARTS + 1] = std::array::from_fn(|part| self.ratio(channel, value(part), limit));
+            let top = (0..=PARTS).fold(0, |top, part| if ratios[part] > ratios[top] { part } else { top });
+            let known = self.known[channel].map_or(f64::NEG_INFINITY, |known| self.examined.tightest[known].ratio);
+            let found = (value(top), self.times[first + top], self.places[first + top]);
+            self.keep(channel, limit, found);
+            if bound(&ratios, top) > known.max(ratios[top]).max(1.0 - NEAR) + REFINE_GAIN {
+                self.refine(channel, limit, first, top);
+            }
+            let ranged = matches!(
+                self.channel(channel).0,
+                PathLimit::PositionLower | PathLimit::PositionUpper
+            );
+            if !ranged && ruling.is_none_or(|(ratio, _)| ratios[top] > ratio) {
+                ruling = Some((ratios[top], channel));
+            }
+        }
+        for joint in 0..self.robot.joint_count() {
+            self.turning(joint, first, stretch);
+        }
+        if let Some((_, channel)) = ruling {
+            let (kind, joint) = self.channel(channel);
+            self.examined.rulings.push(Ruling {
+                begin: self.timed.begin + ends[0],
+                end: self.timed.begin + ends[1],
+                s: self.places[first],
+                kind,
+                joint,
+            });
+        }
+    }
+
+    /// Keeps a value where it is the tightest of its channel.
+    fn keep(&mut self, channel: usize, limit: f64, (value, time, s): (f64, f64, f64)) {
+        let ratio = self.ratio(channel, value, limit);
+        let (kind, joint) = self.channel(channel);
+        let tightest = Tightest {
+            kind,
+            joint,
+            value,
+            limit,
+            ratio,
+            time: self.timed.begin + time,
+            s,
+        };
+        match self.known[channel] {
+            Some(known) if self.examined.tightest[known].ratio >= ratio => {}
+            Some(known) => self.examined.tightest[known] = tightest,
+            None => {
+                self.known[channel] = Some(self.examined.tightest.len());
+                self.examined.tightest.push(tightest);
+            }
+        }
+        if kind == PathLimit::Torque
+            && let Some(joint) = joint
+        {
+            let demand = &mut self.examined.demands[joint];
+            if value.abs() > demand.peak_torque.abs() {
+                (demand.peak_torque, demand.time) = (value, self.timed.begin + time);
+            }
+        }
+    }
+
+    /// Follows a maximum between the samples on both sides of `top`, by parabolas.
+    fn refine(&mut self, channel: usize, limit: f64, first: usize, top: usize) {
+        let middle = first + top.clamp(1, PARTS - 1);
+        let mut times = [middle - 1, middle, middle + 1].map(|sample| self.times[sample]);
+        let mut ratios = [middle - 1, middle, middle + 1].map(|sample| {
+            let value = self.values[sample * self.channels() + channel];
+            self.ratio(channel, value, limit)
+        });
+        for _ in 0..ROUNDS {
+            let Some(time) = parabola_top(times, ratios) else {
+                return;
+            };
+            let value = self.value_at(channel, time);
+            let s = self.state.s;
+            self.keep(channel, limit, (value, time, s));
+            let ratio = self.ratio(channel, value, limit);
+            if time < times[1] {
+                (times, ratios) = ([times[0], time, times[1]], [ratios[0], ratio, ratios[1]]);
+            } else {
+                (times, ratios) = ([times[1], time, times[2]], [ratios[1], ratio, ratios[2]]);
+            }
+        }
+    }
+
+    /// The value of one channel at one time.
+    fn value_at(&mut self, channel: usize, time: f64) -> f64 {
+        self.state.set(self.timed.curve, self.timed.law, time, Side::After);
+        let (kind, joint) = self.channel(channel);
+        let state = &self.state;
+        match (kind, joint) {
+            (PathLimit::Torque, Some(joint)) => {
+                dynamics::drive_torque(
+                    self.robot,
+                    &mut self.workspace,
+                    &state.position,
+                    &state.velocity,
+                    &state.acceleration,
+                    &mut self.torque,
+                );
+                self.torque[joint]
+            }
+            (PathLimit::Velocity, Some(joint)) => state.velocity[joint],
+            (PathLimit::Acceleration, Some(joint)) => state.acceleration[joint],
+            (PathLimit::Jerk, Some(joint)) => state.jerk[joint],
+            (PathLimit::PositionLower | PathLimit::PositionUpper, Some(joint)) => state.position[joint],
+            (PathLimit::ToolVelocity, _) => self.tool().velocity.norm(),
+            _ => self.tool().acceleration.norm(),
+        }
+    }
+
+    /// Where a joint turns back between two samples, friction acts first against one direction, then against the other.
+    fn turning(&mut self, joint: usize, first: usize, stretch: &Stretch) {
+        let Some(limit) = stretch.joints[joint].torque else {
+            return;
+        };
+        let drive = self.robot.drives()[joint];
+        for sample in first..first + PARTS {
+            let column = self.sweep.column(joint);
+            let (before, after) = (
+                self.sweep.velocity[column + sample],
+                self.sweep.velocity[column + sample + 1],
+            );
+            if before * after >= 0.0 {
+                continue;
+            }
+            let part = before / (before - after);
+            let time = self.times[sample] + part * (self.times[sample + 1] - self.times[sample]);
+            let channel = joint * JOINT_CHANNELS.len();
+            let torque = self.value_at(channel, time) - drive.coulomb(self.state.velocity[joint]);
+            for direction in [1.0, -1.0] {
+                let found = (torque + drive.coulomb(direction), time, self.state.s);
+                self.keep(channel, limit, found);
+            }
+        }
+    }
+
+    fn finish(mut self) -> Examined {
+        let of_torque = |tightest: &&Tightest| tightest.kind == PathLimit::Torque;
+        let torques = self.examined.tightest.iter().filter(of_torque);
+        let worst = torques.fold(None::<Tightest>, |worst, tightest| match worst {
+            Some(worst) if worst.ratio >= tightest.ratio => Some(worst),
+            _ => Some(*tightest),
+        });
+        self.examined.torque = worst.and_then(|worst| self.split(&worst));
+        self.examined.override_safe = self.worst.take().map(|worst| {
+            let limit = self.timed.limits.stretches.iter();
+            let joint = worst.point.joint;
+            worst.safety(
+                limit
+                    .filter_map(|stretch| stretch.joints[joint].torque)
+                    .fold(f64::INFINITY, f64::min),
+            )
+        });
+        self.examined
+    }
+
+    /// A torque by how it scales with speed.
+    fn split(&mut self, tightest: &Tightest) -> Option<Point> {
+        let joint = tightest.joint?;
+        let channel = joint * JOINT_CHANNELS.len();
+        let total = self.value_at(channel, tightest.time - self.timed.begin);
+        let mut gravity = vec![0.0; self.torque.len()];
+        dynamics::gravity_torque(self.robot, &mut self.workspace, &self.state.position, &mut gravity);
+        let drive = self.robot.drives()[joint];
+        let velocity = self.state.velocity[joint];
+        let viscous = drive.viscous * velocity;
+        // friction may act the other way than at the sample, where the joint turns back just there
+        let coulomb = tightest.value - total + drive.coulomb(velocity);
+        Some(Point {
+            joint,
+            time: tightest.time,
+            segment: 0,
+            dynamic: tightest.value - coulomb - viscous - gravity[joint],
+            viscous,
+            still: gravity[joint] + coulomb,
+            gravity: gravity[joint],
+        })
+    }
+}
+
+/// When an interval is sampled, and from which side.
+fn moment(ends: &[f64], part: usize) -> (f64, Side) {
+    let length = ends[1] - ends[0];
+    match part {
+        0 => (ends[0] + INSIDE * length, Side::After),
+        PARTS => (ends[1] - INSIDE * length, Side::Before),
+        _ => (ends[0] + length * part as f64 / PARTS as f64, Side::After),
+    }
+}
+
+/// Writes the values of every limit but the torques'.
+fn fill(state: &State, tool: Option<ToolMotion>, values: &mut [f64]) {
+    let (joints, of_tool) = values.split_at_mut(values.len() - 2);
+    for (joint, values) in joints.chunks_exact_mut(JOINT_CHANNELS.len()).enumerate() {
+        let position = state.position[joint];
+        values[1..].copy_from_slice(&[
+            state.velocity[joint],
+            state.acceleration[joint],
+            state.jerk[joint],
+            position,
+            position,
+        ]);
+    }
+    if let Some(tool) = tool {
+        of_tool.copy_from_slice(&[tool.velocity.norm(), tool.acceleration.norm()]);
+    }
+}
+
+/// How high samples' maximum may reach between them: a parabola through three rises above them by at most an eighth of
+/// their second difference.
+fn bound(ratios: &[f64; PARTS + 1], top: usize) -> f64 {
+    let middle = top.clamp(1, PARTS - 1);
+    let bend = 2.0 * ratios[middle] - ratios[middle - 1] - ratios[middle + 1];
+    ratios[top] + bend.max(0.0) / 8.0
+}
+
+/// Where the parabola through three points has its top; `None` where it has none between them, or at the middle.
+fn parabola_top(t: [f64; 3], y: [f64; 3]) -> Option<f64> {
+    let (left, right) = ((y[1] - y[0]) / (t[1] - t[0]), (y[2] - y[1]) / (t[2] - t[1]));
+    let curvature = (right - left) / (t[2] - t[0]);
+    if curvature.is_nan() || curvature >= 0.0 {
+        return None;
+    }
+    let time = 0.5 * (t[0] + t[1]) - 0.5 * left / curvature;
+    (time > t[0] && time < t[2] && time != t[1]).then_some(time)
+}

@@ -1,0 +1,231 @@
+//! Which squared path velocities can be had at all: time-optimal path parameterization by reachability analysis
+//! (TOPP-RA, Pham and Pham 2018).
+//!
+//! On an interval of length h the path acceleration b is constant, so a at distance θ·h is a + 2·θ·h·b, and a row that
+//! holds there reads
+//!
+//! ```text
+//! α·(a + 2·θ·h·b) + β·b ≤ γ
+//! ```
+//!
+//! Backwards from the end, the set of all a from which the rest of the path can be done is an interval; its borders are
+//! those of the a with lower(a) ≤ upper(a), where every row bounds b by a line in a. Forwards from the start, the largest b
+//! that stays within these sets is the fastest timing.
+
+use super::grid::Grid;
+use super::rows::Rows;
+use crate::budget::{Budget, Stopped};
+use crate::tolerance::{REACH_ROUNDS, REACH_ROW_FLAT, REACH_WIDTH};
+
+/// Intervals between two looks at the budget.
+const BUDGET_EVERY: usize = 64;
+
+/// Why no timing was found: a speed at an end of the path cannot be had.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Unreachable {
+    /// The end cannot be reached as fast as is asked.
+    End,
+    /// The start is too fast for what follows.
+    Start {
+        /// The largest a that is not.
+        largest: f64,
+    },
+}
+
+/// Lines at_rest − slope·a in groups of [`GROUP`], the last one filled up with lines that are infinite.
+#[derive(Debug, Default)]
+struct Lines {
+    groups: Vec<Group>,
+    count: usize,
+}
+
+/// Lines side by side, for the compiler to take them together.
+#[derive(Debug, Clone, Copy)]
+struct Group {
+    at_rest: [f64; GROUP],
+    slope: [f64; GROUP],
+}
+
+/// Lines of a group.
+const GROUP: usize = 4;
+
+impl Lines {
+    fn clear(&mut self) {
+        self.groups.clear();
+        self.count = 0;
+    }
+
+    fn push(&mut self, at_rest: f64, slope: f64) {
+        let lane = self.count % GROUP;
+        if lane == 0 {
+            self.groups.push(Group {
+                at_rest: [f64::INFINITY; GROUP],
+                slope: [0.0; GROUP],
+            });
+        }
+        if let Some(group) = self.groups.last_mut() {
+            (group.at_rest[lane], group.slope[lane]) = (at_rest, slope);
+        }
+        self.count += 1;
+    }
+}
+
+/// The smallest of lines at a, and its slope.
+fn lowest(groups: &[Group], a: f64) -> (f64, f64) {
+    let mut value = [f64::INFINITY; GROUP];
+    let mut slope = [0.0; GROUP];
+    for group in groups {
+        for lane in 0..GROUP {
+            let here = group.at_rest[lane] - group.slope[lane] * a;
+            let less = here < value[lane];
+            value[lane] = if less { here } else { value[lane] };
+            slope[lane] = if less { group.slope[lane] } else { slope[lane] };
+        }
+    }
+    let mut best = (value[0], slope[0]);
+    for lane in 1..GROUP {
+        if value[lane] < best.0 {
+            best = (value[lane], slope[lane]);
+        }
+    }
+    best
+}
+
+/// What bounds b on one interval.
+#[derive(Debug, Default)]
+struct Interval {
+    /// b ≤ each of these.
+    upper: Lines,
+    /// −b ≤ each of these.
+    lower: Lines,
+    /// Largest a.
+    cap: f64,
+}
+
+impl Interval {
+    /// α·a + β·b ≤ γ.
+    fn push(&mut self, alpha: f64, beta: f64, gamma: f64) {
+        if beta.abs() > REACH_ROW_FLAT * gamma {
+            let scale = 1.0 / beta.abs();
+            let lines = if beta > 0.0 { &mut self.upper } else { &mut self.lower };
+            lines.push(gamma * scale, alpha * scale);
+        } else if alpha > 0.0 {
+            self.cap = self.cap.min(gamma / alpha);
+        }
+    }
+
+    /// Rows of all places of an interval. The last one's a is not bounded here: what can be had there is.
+    fn fill(&mut self, grid: &Grid, rows: &Rows<'_>, interval: usize) {
+        self.upper.clear();
+        self.lower.clear();
+        let (first, parts) = (rows.places.first[interval], rows.places.parts);
+        self.cap = rows.speed_bound[first];
+        let step = 2.0 * grid.step(interval) / parts as f64;
+        for part in 0..=parts {
+            let reach = step * part as f64;
+            for pair in rows.at(first + part) {
+                self.push(pair.a[0], pair.b + reach * pair.a[0], pair.c[0]);
+                self.push(pair.a[1], reach * pair.a[1] - pair.b, pair.c[1]);
+            }
+            if part > 0 && part < parts {
+                // 0 ≤ a + reach·b ≤ bound
+                let scale = 1.0 / reach;
+                self.upper.push(rows.speed_bound[first + part] * scale, scale);
+                self.lower.push(0.0, -scale);
+            }
+        }
+    }
+
+    /// Ends within [low, high].
+    fn end_within(&mut self, step: f64, [low, high]: [f64; 2]) {
+        let scale = 1.0 / (2.0 * step);
+        self.upper.push(high * scale, scale);
+        self.lower.push(-low * scale, -scale);
+    }
+
+    /// The border of {a: lower(a) ≤ upper(a)} that is met first from outside, from the right or from the left. The width
+    /// upper − lower is concave and made of lines, so that Newton's method arrives after finitely many, one-sided steps.
+    fn border(&self, from: f64, from_right: bool) -> Option<f64> {
+        let mut a = from;
+        for _ in 0..REACH_ROUNDS {
+            let (upper, falls) = lowest(&self.upper.groups, a);
+            let (lower, rises) = lowest(&self.lower.groups, a);
+            let width = upper + lower;
+            // scaled by the terms that cancel, not by what they leave
+            if width >= -REACH_WIDTH * (upper.abs() + (falls * a).abs() + lower.abs() + (rises * a).abs()) {
+                return Some(a);
+            }
+            let slope = -rises - falls;
+            if (slope >= 0.0) == from_right {
+                return None;
+            }
+            a -= width / slope;
+            if a < 0.0 {
+                return None;
+            }
+        }
+        Some(a)
+    }
+}
+
+/// The fastest a at every node, from `ends[0]` at the start to `ends[1]` at the end.
+///
+/// # Errors
+/// [`Stopped`], when nobody waits any more.
+pub(crate) fn fastest(
+    grid: &Grid,
+    rows: &Rows<'_>,
+    ends: [f64; 2],
+    budget: &Budget<'_>,
+) -> Result<Result<Vec<f64>, Unreachable>, Stopped> {
+    let count = grid.interval_count();
+    let at_end = rows.speed_bound.last().copied().unwrap_or(0.0);
+    if ends[1] > at_end {
+        return Ok(Err(Unreachable::End));
+    }
+    let mut sets = vec![[ends[1]; 2]; count + 1];
+    // the upper lines of every interval, and where each one's begin: for the way forwards
+    let mut kept: Vec<Group> = Vec::new();
+    let mut ranges = vec![0..0; count];
+    let mut interval = Interval::default();
+    for i in (0..count).rev() {
+        if i % BUDGET_EVERY == 0 {
+            budget.check()?;
+        }
+        interval.fill(grid, rows, i);
+        interval.end_within(grid.step(i), sets[i + 1]);
+        // the place before a node may be bound more tightly than the one after it
+        let high = match i.checked_sub(1) {
+            Some(before) => interval
+                .cap
+                .min(rows.speed_bound[rows.places.first[before] + rows.places.parts]),
+            None => interval.cap,
+        };
+        let Some(high) = interval.border(high, true) else {
+            return Ok(Err(Unreachable::End));
+        };
+        let low = if sets[i + 1][0] > 0.0 {
+            interval.border(0.0, false).unwrap_or(high).min(high)
+        } else {
+            0.0
+        };
+        sets[i] = [low, high];
+        let begin = kept.len();
+        kept.extend_from_slice(&interval.upper.groups);
+        ranges[i] = begin..kept.len();
+    }
+    let [low, high] = sets[0];
+    if ends[0] > high {
+        return Ok(Err(Unreachable::Start { largest: high }));
+    }
+    if ends[0] < low {
+        return Ok(Err(Unreachable::End));
+    }
+    let mut squares = vec![ends[0]; count + 1];
+    for i in 0..count {
+        let (b, _) = lowest(&kept[ranges[i].clone()], squares[i]);
+        let [low, high] = sets[i + 1];
+        squares[i + 1] = (squares[i] + 2.0 * grid.step(i) * b).clamp(low, high);
+    }
+    Ok(Ok(squares))
+}

@@ -1,0 +1,9 @@
+//! Robot programs in, timed paths out.
+
+mod outcome;
+mod request;
+
+pub use self::{
+    outcome::{SetpointsOf, outcome_to_wire},
+    request::{SEGMENTS_MAX, path_request},
+};

@@ -1,0 +1,61 @@
+//! Robot programs.
+
+use std::time::Instant;
+
+use takt_motion::{
+    budget::Budget,
+    path::{self, outcome::PathOutcome},
+};
+use takt_proto::{convert, v1};
+use tracing::Span;
+
+use super::{Planned, Reading, Subject, check_setpoints, check_trace, failed, finite, not_finite};
+use crate::{config::Limits, error::ServiceError};
+
+/// Plans a robot program.
+pub(crate) fn plan_path(
+    request: v1::PlanPathRequest,
+    subject: Subject,
+    limits: &Limits,
+    deadline: Instant,
+    budget: &Budget<'_>,
+) -> Result<v1::PlanPathResponse, ServiceError> {
+    let planned = planned_path(request, subject, limits, deadline, budget)?;
+    Ok(v1::PlanPathResponse {
+        outcome: Some(convert::path::outcome_to_wire(
+            planned.outcome,
+            planned.robot.robot.spec(),
+        )),
+        provenance: Some(planned.provenance),
+    })
+}
+
+pub(super) fn planned_path(
+    mut request: v1::PlanPathRequest,
+    subject: Subject,
+    limits: &Limits,
+    deadline: Instant,
+    budget: &Budget<'_>,
+) -> Result<Planned<PathOutcome>, ServiceError> {
+    let mut reading = Reading::of(&mut request, subject);
+    check_trace(&mut reading.findings, request.trace_points, limits);
+    let request = reading.convert(|spec, findings| convert::path::path_request(request, spec, findings));
+    reading.look_further(|robot, budget| path::plan_path(robot, &request, budget));
+    let (robot, provenance) = reading.checked()?;
+    let outcome = path::plan_path(&robot.robot, &request, budget);
+    let outcome = outcome.map_err(|failure| failed(failure, deadline))?;
+    let (name, setpoints) = match &outcome {
+        PathOutcome::Plan(plan) => ("plan", plan.setpoints.as_ref().map(|setpoints| &setpoints.samples)),
+        PathOutcome::Infeasible(_) => ("infeasible", None),
+    };
+    check_setpoints(setpoints, limits)?;
+    if !finite::path(&outcome) {
+        return Err(not_finite());
+    }
+    Span::current().record("outcome", name);
+    Ok(Planned {
+        robot,
+        outcome,
+        provenance,
+    })
+}

@@ -1,0 +1,138 @@
+//! Robot programs over both protocols: the answer is whole, the same again, and its set-points are those of its stream.
+
+use takt_client::v1::{self, plan_path_response::Outcome};
+use takt_tests::{Protocol, TestServer, fixtures::good_program};
+
+fn plan_of(reply: v1::PlanPathResponse) -> v1::PathPlan {
+    match reply.outcome {
+        Some(Outcome::Plan(plan)) => plan,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[tokio::test]
+async fn both_protocols_plan_the_same_program() {
+    let server = TestServer::start().await;
+    let mut replies = Vec::new();
+    for protocol in Protocol::BOTH {
+        let client = server.client(protocol);
+        for _ in 0..2 {
+            replies.push(client.plan_path(good_program()).await.unwrap());
+        }
+    }
+    assert!(replies.windows(2).all(|pair| pair[0] == pair[1]));
+    let plan = plan_of(replies.remove(0));
+    assert_eq!(plan.segments.len(), 4);
+    assert_eq!(plan.torque_margins.len(), 6);
+    assert!(
+        plan.torque_margins
+            .iter()
+            .all(|margin| margin.margin >= 0.0 && margin.location.is_some())
+    );
+    assert!(
+        plan.limit_uses.iter().all(|limit| limit.margin >= 0.0),
+        "{:?}",
+        plan.limit_uses
+    );
+    let stretches = &plan.limiting;
+    assert_eq!(stretches[0].begin_s, 0.0);
+    assert!((stretches[stretches.len() - 1].end_s - plan.duration_s).abs() < 1e-9);
+    assert!(
+        stretches
+            .windows(2)
+            .all(|pair| (pair[0].end_s - pair[1].begin_s).abs() < 1e-12)
+    );
+    let spent: f64 = plan.limit_costs.iter().map(|cost| cost.time_s).sum();
+    assert!((spent - plan.duration_s).abs() < 1e-6, "{spent} of {}", plan.duration_s);
+}
+
+#[tokio::test]
+async fn set_points_of_a_program_end_where_it_ends_and_stream_the_same() {
+    let server = TestServer::start().await;
+    for protocol in Protocol::BOTH {
+        let client = server.client(protocol);
+        let program = v1::PlanPathRequest {
+            sample_period_s: Some(0.008),
+            ..good_program()
+        };
+        let mut expected = client.plan_path(program.clone()).await.unwrap();
+        let setpoints = match &mut expected.outcome {
+            Some(Outcome::Plan(plan)) => plan.setpoints.take().unwrap(),
+            other => panic!("{other:?}"),
+        };
+        let count = setpoints.time_s.len();
+        let home = &program.start.as_ref().unwrap().position;
+        for (joint, columns) in setpoints.joints.iter().enumerate() {
+            assert_eq!(columns.position.len(), count);
+            assert!(
+                (columns.position[count - 1] - home[joint]).abs() < 1e-9,
+                "{}",
+                columns.joint
+            );
+            assert!(columns.velocity[count - 1].abs() < 1e-9);
+        }
+        for column in [&setpoints.fraction, &setpoints.tool_speed_m_per_s] {
+            assert_eq!(column.len(), count);
+        }
+        assert!(setpoints.segment.windows(2).all(|pair| pair[0] <= pair[1]));
+        assert_eq!((setpoints.segment[0], setpoints.segment[count - 1]), (0, 3));
+        let request = v1::StreamSetpointsRequest {
+            robot_id: "ur5e".to_owned(),
+            motion: Some(v1::stream_setpoints_request::Motion::Path(program)),
+            ..Default::default()
+        };
+        let mut stream = client.stream_setpoints(request).await.unwrap();
+        assert_eq!(
+            stream.header().answer,
+            Some(v1::setpoints_header::Answer::Path(expected)),
+            "{protocol:?}"
+        );
+        let (mut times, mut segments, mut speeds) = (Vec::new(), Vec::new(), Vec::new());
+        while let Some(chunk) = stream.next().await.unwrap() {
+            let piece = chunk.setpoints.unwrap();
+            times.extend(piece.time_s);
+            segments.extend(piece.segment);
+            speeds.extend(piece.tool_speed_m_per_s);
+        }
+        assert_eq!(times, setpoints.time_s);
+        assert_eq!(segments, setpoints.segment);
+        assert_eq!(speeds, setpoints.tool_speed_m_per_s);
+    }
+}
+
+#[tokio::test]
+async fn a_program_out_of_reach_says_where() {
+    let server = TestServer::start().await;
+    for protocol in Protocol::BOTH {
+        let mut program = good_program();
+        if let Some(v1::path_segment::Shape::Line(line)) = &mut program.segments[1].shape {
+            let target = line.target.get_or_insert_default();
+            target.pose.get_or_insert_default().position_m = vec![3.0, 0.0, 0.1];
+        }
+        let reply = server.client(protocol).plan_path(program).await.unwrap();
+        let Some(Outcome::Infeasible(no)) = reply.outcome else {
+            panic!("{reply:?}");
+        };
+        assert_eq!(no.location.unwrap().segment, 1);
+        assert!(!no.suggestion.is_empty());
+    }
+}
+
+/// What only the planner can find wrong has its place in the message too.
+#[tokio::test]
+async fn a_looser_limit_of_a_segment_is_named() {
+    let server = TestServer::start().await;
+    for protocol in Protocol::BOTH {
+        let mut program = good_program();
+        program.segments[1].limits = Some(v1::PathLimits {
+            joints: vec![v1::LimitOverride {
+                joint: "elbow_joint".to_owned(),
+                velocity: Some(1000.0),
+                ..Default::default()
+            }],
+            ..Default::default()
+        });
+        let error = server.client(protocol).plan_path(program).await.unwrap_err();
+        assert_eq!(error.violations()[0].field, "segments[1].limits.joints[0].velocity");
+    }
+}
