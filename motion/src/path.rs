@@ -31,6 +31,7 @@ pub mod outcome;
 mod pace;
 mod passage;
 mod piecewise;
+mod range;
 mod plan;
 mod problem;
 mod report;

@@ -235,9 +235,9 @@ pub(crate) const SIGMOID_STEEPNESS_MAX: f64 = 100.0;
 /// Travel below which a segment goes nowhere, rad or m: under any encoder's step, above the rounding of taught points.
 pub(crate) const SEGMENT_MIN: f64 = 1.0e-9;
 
-/// Shortest part that a blend may take of a segment, in seconds at full speed: a hundredth of a fast controller's cycle;
-/// shorter, its third derivatives lose their digits.
-pub(crate) const BLEND_MIN: f64 = 1.0e-5;
+/// Shortest part that a blend may take of a segment, in seconds at full speed: a tenth of a micrometre for a fast arm.
+/// Shorter, the blend's place on a path of hours loses its digits.
+pub(crate) const BLEND_MIN: f64 = 1.0e-7;
 
 /// Least pace of a path, as part of full speed at ṡ = 1. Below it the path turns back on itself and needs a stop; a corner
 /// that only nearly does is that slow at 1e-4 rad from it.
@@ -502,6 +502,19 @@ pub(crate) const CONSTANT_PARTS_MIN: usize = 16;
 /// tool, so that a turn takes about the time of the way that such a tool's tip makes.
 pub(crate) const TURN_LENGTH: f64 = 0.1;
 
+/// Samples of a path between two of its knots, where its joint ranges are looked at.
+pub(crate) const RANGE_SAMPLES: usize = 16;
+
+/// How near the end of its range a joint must come for its true extreme to be sought, rad or m: more than a cubic between
+/// two samples can miss of it.
+pub(crate) const RANGE_NEAR: f64 = 1.0e-2;
+
+/// How far a joint may be outside its range, rad or m: the rounding of a taught point at the very end of it.
+pub(crate) const RANGE_ROUNDING: f64 = 1.0e-9;
+
+/// Pace at a sample, as part of full speed, above which a path cannot come to a stop before the next: a turning point is
+/// passed at a twentieth between thirty-two samples.
+pub(crate) const VALLEY_MAX: f64 = 0.25;
 /// Fewest intervals of a timing grid between two knots of the path: a blend, where accelerations rise and fall once or
 /// twice, has that many even if it is short.
 pub(crate) const SPAN_INTERVALS_MIN: usize = 8;

@@ -1,3 +1,5 @@
+mod arc;
+mod hostile;
 mod constant;
 mod joint;
 mod mixed;
