@@ -191,8 +191,8 @@ impl WithSimd for Sweep<'_> {
     fn with_simd<S: Simd>(self, _simd: S) {
         for (interval, (rates, uses)) in self.rates.iter().zip(self.uses).enumerate() {
             let first = interval * POINTS;
-            // borders of stretches are nodes: an interval has one set of limits
-            let stretch = &self.limits.stretches[self.at.stretch[first]];
+            // borders of stretches are nodes, or so close to one that the middle speaks for the interval
+            let stretch = &self.limits.stretches[self.at.stretch[first + POINTS / 2]];
             *uses = Uses {
                 torque_speed: 1.0,
                 ..Uses::default()
