@@ -27,6 +27,7 @@ mod profile;
 mod rest;
 mod rows;
 
+use super::grid::fixed_nodes;
 use super::{Obstacle, Task, Timing};
 use crate::budget::{Budget, Stopped};
 use crate::path::outcome::PathInfeasibleReason;
@@ -68,8 +69,9 @@ pub(crate) fn jerk_limited(task: &Task<'_>, budget: &Budget<'_>) -> Result<Resul
     if task.curve.length() <= 0.0 {
         return Ok(Ok(Timing::default()));
     }
-    let fixed = nodes::fixed(task);
-    let coarse = match Level::new(task, nodes::even(&fixed, JERK_COARSE_INTERVALS), &fixed, budget)? {
+    let fixed = fixed_nodes(task.curve, task.limits);
+    let apart = nodes::apart(&fixed);
+    let coarse = match Level::new(task, nodes::even(&apart, JERK_COARSE_INTERVALS), &fixed, budget)? {
         Ok(level) => level,
         Err(obstacle) => return Ok(Err(obstacle)),
     };
@@ -77,7 +79,7 @@ pub(crate) fn jerk_limited(task: &Task<'_>, budget: &Budget<'_>) -> Result<Resul
     Solver::new(&coarse.problem).improve(&coarse.problem, &mut x, &COLD, budget)?;
 
     let profile = coarse.profile(&x);
-    let Some(nodes) = nodes::respread(&profile, &fixed, task.intervals.max(JERK_INTERVALS_MIN)) else {
+    let Some(nodes) = nodes::respread(&profile, &apart, task.intervals.max(JERK_INTERVALS_MIN)) else {
         return Ok(Err(Obstacle::NO_TIMING));
     };
     let mut fine = match Level::new(task, nodes, &fixed, budget)? {

@@ -1,15 +1,14 @@
 //! Where the nodes of a grid are: on knots of the path and borders of limits, and between them where the motion spends its time.
 
 use super::profile::Profile;
-use crate::timing::{Task, grid};
+use crate::timing::grid;
 use crate::tolerance::{JERK_INTERVALS_RATIO, JERK_NODES_APART};
 
 /// Into how many parts the first intervals after that at rest are divided.
 const NEAR_REST: [usize; 4] = [4, 3, 2, 2];
 
-/// Nodes that no grid is without: knots and borders, but of several very close ones the first.
-pub(super) fn fixed(task: &Task<'_>) -> Vec<f64> {
-    let nodes = grid::fixed_nodes(task.curve, task.limits);
+/// Of knots and borders those that are nodes of every grid: of several very close ones, the first.
+pub(super) fn apart(nodes: &[f64]) -> Vec<f64> {
     let length = nodes[nodes.len() - 1];
     let apart = JERK_NODES_APART * length;
     let mut kept = vec![nodes[0]];

@@ -14,6 +14,7 @@ use crate::timing::tests::own_limits;
 
 mod check;
 mod iterates;
+mod jumps;
 mod oracle;
 
 use check::worst_uses;

@@ -21,7 +21,7 @@ fn every_iterate_obeys_every_row() {
         intervals: 80,
     };
     let budget = Budget::unlimited();
-    let fixed = nodes::fixed(&task);
+    let fixed = fixed_nodes(task.curve, task.limits);
     let level = Level::new(&task, nodes::even(&fixed, 80), &fixed, &budget)
         .unwrap()
         .unwrap();
@@ -69,7 +69,7 @@ fn a_start_beyond_the_limits_is_refused() {
         intervals: 40,
     };
     let budget = Budget::unlimited();
-    let fixed = nodes::fixed(&task);
+    let fixed = fixed_nodes(task.curve, task.limits);
     let level = Level::new(&task, nodes::even(&fixed, 40), &fixed, &budget)
         .unwrap()
         .unwrap();
