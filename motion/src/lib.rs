@@ -47,4 +47,6 @@ mod verify;
 
 pub use error::Invalid;
 pub use nalgebra;
+#[doc(hidden)]
+pub use timing::measured;
 pub use tolerance::{DURATION_MAX, POSITION_MAX, SETPOINTS_MAX, TRAJECTORY_POINTS_MAX, TRAVEL_MAX};

@@ -18,6 +18,7 @@ pub(crate) mod jerk;
 pub(crate) mod law;
 pub(crate) mod limiting;
 pub(crate) mod limits;
+pub mod measured;
 pub(crate) mod reach;
 pub(crate) mod rows;
 mod solve;
@@ -30,7 +31,9 @@ use crate::budget::{Budget, Stopped};
 use crate::curve::Curve;
 use crate::path::outcome::PathInfeasibleReason;
 use crate::robot::Robot;
-use crate::tolerance::{CERTIFIED, CHECK_PARTS, SLOW_ROUNDS, TIGHTEN_ROUNDS, TIMING_INTERVALS_MIN, TIMING_PARTS};
+use crate::tolerance::{
+    CERTIFIED, CHECK_PARTS, SLOW_ROUNDS, TIGHTEN_ROUNDS, TIGHTEN_ROUNDS_MOVING, TIMING_INTERVALS_MIN, TIMING_PARTS,
+};
 use certificate::Certificate;
 use coefficients::Coefficients;
 use grid::{Grid, even, fixed_nodes};
@@ -165,10 +168,17 @@ fn certify(task: &Task<'_>, solved: Solved<'_>, budget: &Budget<'_>) -> Result<R
         coefficients: &problem.coefficients,
         limits: task.limits,
     };
+    // from rest to rest, slower is always possible
+    let from_rest = task.end_speeds == [0.0; 2];
+    let rounds_max = if from_rest {
+        TIGHTEN_ROUNDS
+    } else {
+        TIGHTEN_ROUNDS_MOVING
+    };
     let mut rooms = Rooms::full(&problem.coefficients);
     let mut rounds = 0;
     let mut verdict = tighten::judge(&certificate, &squares, budget)?;
-    while verdict.worst > CERTIFIED && rounds < TIGHTEN_ROUNDS {
+    while verdict.worst > CERTIFIED && rounds < rounds_max {
         tighten::tighten(&mut rooms, &verdict.excesses, &problem);
         let reference = problem.reference(&problem.grid.nodes, &squares);
         match problem.solve(&rooms, Some(reference), budget)? {
@@ -178,8 +188,6 @@ fn certify(task: &Task<'_>, solved: Solved<'_>, budget: &Budget<'_>) -> Result<R
         verdict = tighten::judge(&certificate, &squares, budget)?;
         rounds += 1;
     }
-    // from rest to rest, slower is always possible
-    let from_rest = task.end_speeds == [0.0; 2];
     for _ in 0..SLOW_ROUNDS {
         if verdict.worst <= CERTIFIED || !from_rest {
             break;

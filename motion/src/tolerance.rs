@@ -214,3 +214,5 @@ pub(crate) const JERK_NODES_APART: f64 = 1.0e-4;
 
 /// How many times as long as its neighbour an interval of the jerk solver's grid may be.
 pub(crate) const JERK_INTERVALS_RATIO: f64 = 4.0;
+/// The same where a speed at an end is given, so that slowing down evenly is no way out.
+pub(crate) const TIGHTEN_ROUNDS_MOVING: usize = 12;

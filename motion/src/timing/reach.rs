@@ -32,44 +32,60 @@ pub(crate) enum Unreachable {
     },
 }
 
-/// Lines that bound b: b ≤ or ≥ `at_rest` − `slope`·a.
+/// Lines at_rest − slope·a in groups of [`GROUP`], the last one filled up with lines that are infinite.
 #[derive(Debug, Default)]
 struct Lines {
-    at_rest: Vec<f64>,
-    slope: Vec<f64>,
+    groups: Vec<Group>,
+    count: usize,
 }
+
+/// Lines side by side, for the compiler to take them together.
+#[derive(Debug, Clone, Copy)]
+struct Group {
+    at_rest: [f64; GROUP],
+    slope: [f64; GROUP],
+}
+
+/// Lines of a group.
+const GROUP: usize = 4;
 
 impl Lines {
     fn clear(&mut self) {
-        self.at_rest.clear();
-        self.slope.clear();
+        self.groups.clear();
+        self.count = 0;
     }
 
     fn push(&mut self, at_rest: f64, slope: f64) {
-        self.at_rest.push(at_rest);
-        self.slope.push(slope);
+        let lane = self.count % GROUP;
+        if lane == 0 {
+            self.groups.push(Group {
+                at_rest: [f64::INFINITY; GROUP],
+                slope: [0.0; GROUP],
+            });
+        }
+        if let Some(group) = self.groups.last_mut() {
+            (group.at_rest[lane], group.slope[lane]) = (at_rest, slope);
+        }
+        self.count += 1;
     }
 }
 
 /// The smallest of lines at a, and its slope.
-fn lowest(at_rest: &[f64], slope: &[f64], a: f64) -> (f64, f64) {
-    let mut best = (f64::INFINITY, 0.0);
-    for (at_rest, slope) in at_rest.iter().zip(slope) {
-        let value = at_rest - slope * a;
-        if value < best.0 {
-            best = (value, *slope);
+fn lowest(groups: &[Group], a: f64) -> (f64, f64) {
+    let mut value = [f64::INFINITY; GROUP];
+    let mut slope = [0.0; GROUP];
+    for group in groups {
+        for lane in 0..GROUP {
+            let here = group.at_rest[lane] - group.slope[lane] * a;
+            let less = here < value[lane];
+            value[lane] = if less { here } else { value[lane] };
+            slope[lane] = if less { group.slope[lane] } else { slope[lane] };
         }
     }
-    best
-}
-
-/// The largest of lines at a, and its slope.
-fn highest(at_rest: &[f64], slope: &[f64], a: f64) -> (f64, f64) {
-    let mut best = (f64::NEG_INFINITY, 0.0);
-    for (at_rest, slope) in at_rest.iter().zip(slope) {
-        let value = at_rest - slope * a;
-        if value > best.0 {
-            best = (value, *slope);
+    let mut best = (value[0], slope[0]);
+    for lane in 1..GROUP {
+        if value[lane] < best.0 {
+            best = (value[lane], slope[lane]);
         }
     }
     best
@@ -78,7 +94,9 @@ fn highest(at_rest: &[f64], slope: &[f64], a: f64) -> (f64, f64) {
 /// What bounds b on one interval.
 #[derive(Debug, Default)]
 struct Interval {
+    /// b ≤ each of these.
     upper: Lines,
+    /// −b ≤ each of these.
     lower: Lines,
     /// Largest a.
     cap: f64,
@@ -88,7 +106,7 @@ impl Interval {
     /// α·a + β·b ≤ γ.
     fn push(&mut self, alpha: f64, beta: f64, gamma: f64) {
         if beta.abs() > REACH_ROW_FLAT * gamma {
-            let scale = 1.0 / beta;
+            let scale = 1.0 / beta.abs();
             let lines = if beta > 0.0 { &mut self.upper } else { &mut self.lower };
             lines.push(gamma * scale, alpha * scale);
         } else if alpha > 0.0 {
@@ -113,7 +131,7 @@ impl Interval {
                 // 0 ≤ a + reach·b ≤ bound
                 let scale = 1.0 / reach;
                 self.upper.push(rows.speed_bound[first + part] * scale, scale);
-                self.lower.push(0.0, scale);
+                self.lower.push(0.0, -scale);
             }
         }
     }
@@ -122,7 +140,7 @@ impl Interval {
     fn end_within(&mut self, step: f64, [low, high]: [f64; 2]) {
         let scale = 1.0 / (2.0 * step);
         self.upper.push(high * scale, scale);
-        self.lower.push(low * scale, scale);
+        self.lower.push(-low * scale, -scale);
     }
 
     /// The border of {a: lower(a) ≤ upper(a)} that is met first from outside, from the right or from the left. The width
@@ -130,14 +148,14 @@ impl Interval {
     fn border(&self, from: f64, from_right: bool) -> Option<f64> {
         let mut a = from;
         for _ in 0..REACH_ROUNDS {
-            let (upper, falls) = lowest(&self.upper.at_rest, &self.upper.slope, a);
-            let (lower, rises) = highest(&self.lower.at_rest, &self.lower.slope, a);
-            let width = upper - lower;
+            let (upper, falls) = lowest(&self.upper.groups, a);
+            let (lower, rises) = lowest(&self.lower.groups, a);
+            let width = upper + lower;
             // scaled by the terms that cancel, not by what they leave
             if width >= -REACH_WIDTH * (upper.abs() + (falls * a).abs() + lower.abs() + (rises * a).abs()) {
                 return Some(a);
             }
-            let slope = rises - falls;
+            let slope = -rises - falls;
             if (slope >= 0.0) == from_right {
                 return None;
             }
@@ -167,7 +185,7 @@ pub(crate) fn fastest(
     }
     let mut sets = vec![[ends[1]; 2]; count + 1];
     // the upper lines of every interval, and where each one's begin: for the way forwards
-    let mut kept = Lines::default();
+    let mut kept: Vec<Group> = Vec::new();
     let mut ranges = vec![0..0; count];
     let mut interval = Interval::default();
     for i in (0..count).rev() {
@@ -192,10 +210,9 @@ pub(crate) fn fastest(
             0.0
         };
         sets[i] = [low, high];
-        let begin = kept.slope.len();
-        kept.at_rest.extend_from_slice(&interval.upper.at_rest);
-        kept.slope.extend_from_slice(&interval.upper.slope);
-        ranges[i] = begin..kept.slope.len();
+        let begin = kept.len();
+        kept.extend_from_slice(&interval.upper.groups);
+        ranges[i] = begin..kept.len();
     }
     let [low, high] = sets[0];
     if ends[0] > high {
@@ -206,8 +223,7 @@ pub(crate) fn fastest(
     }
     let mut squares = vec![ends[0]; count + 1];
     for i in 0..count {
-        let range = ranges[i].clone();
-        let (b, _) = lowest(&kept.at_rest[range.clone()], &kept.slope[range], squares[i]);
+        let (b, _) = lowest(&kept[ranges[i].clone()], squares[i]);
         let [low, high] = sets[i + 1];
         squares[i + 1] = (squares[i] + 2.0 * grid.step(i) * b).clamp(low, high);
     }

@@ -257,3 +257,6 @@ fn plane(first: [f64; 3], second: [f64; 3]) -> [f64; 3] {
     let across = std::array::from_fn(|k| second[k] - along * (first[k] / length));
     [length, along, dot(across, across).sqrt()]
 }
+
+#[cfg(test)]
+mod tests;

@@ -30,18 +30,25 @@ impl Problem<'_> {
         mut reference: Option<Vec<f64>>,
         budget: &Budget<'_>,
     ) -> Result<Result<Vec<f64>, Unreachable>, Stopped> {
-        let passes = if reference.is_some() { 1 } else { VISCOUS_PASSES };
+        let mut passes = if reference.is_some() { 1 } else { VISCOUS_PASSES };
         let mut squares = Vec::new();
-        for pass in 0..passes {
+        while passes > 0 {
+            passes -= 1;
             let rows = Rows::new(&self.coefficients, self.limits, rooms, &self.rows, reference.as_deref());
             match reach::fastest(&self.grid, &rows, self.ends, budget)? {
                 Ok(found) => squares = found,
+                // tangents far above the speeds at the ends may forbid them: try those that touch there
+                Err(_) if rows.viscous && reference.is_none() => {
+                    reference = Some(vec![self.ends[0].max(self.ends[1]); self.rows.samples.len()]);
+                    passes = VISCOUS_PASSES;
+                    continue;
+                }
                 Err(unreachable) => return Ok(Err(unreachable)),
             }
             if !rows.viscous {
                 break;
             }
-            if pass + 1 < passes {
+            if passes > 0 {
                 reference = Some(self.reference(&self.grid.nodes, &squares));
             }
         }

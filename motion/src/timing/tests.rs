@@ -2,7 +2,8 @@
 
 use nalgebra::Isometry3;
 
-use super::test_curves::{Polynomials, puma560, random_walk, ur5e};
+use super::measured::Polynomials;
+use super::test_curves::{puma560, random_walk, ur5e};
 use super::*;
 use crate::curve::{CurvePoint, Side};
 use crate::dynamics::{self, Workspace};

@@ -119,3 +119,12 @@ fn the_cone_program_has_the_same_optimum() {
         assert!((found / duration - 1.0).abs() < 1e-4, "{found} {duration}");
     }
 }
+
+/// The benchmark measures the same problem.
+#[test]
+fn the_benchmark_times_what_toppra_times() {
+    let found = measured::interpolated(&ur5e(), &curve(&FIRST), 200).unwrap();
+    assert!((found - 0.471_683_250).abs() < 1e-6, "{found}");
+    let certified = measured::certified(&ur5e(), &curve(&FIRST), 200).unwrap();
+    assert!(certified > found && certified < 1.01 * found, "{certified} {found}");
+}

@@ -49,7 +49,7 @@ fn a_load_near_the_limit_is_moved_slowly_or_not_at_all() {
             Ok(timing) => {
                 assert!(feasible, "{mass}");
                 // 1 N lifts 9.9 kg at 0.1 m/s²: 0.5 m at no less than that, and braking is 200 times as hard
-                let expected = (2.0 * 0.5 / (1.0 / 9.9) as f64).sqrt();
+                let expected = (2.0f64 * 0.5 * 9.9).sqrt();
                 assert!((timing.law.duration() / expected - 1.0).abs() < 0.05);
                 assert!(worst_use(&arm, &curve, &limits, &timing.law, 2000, 1) < 1.0);
             }
