@@ -26,6 +26,7 @@ mod pass;
 mod profile;
 mod rest;
 mod rows;
+mod uses;
 
 use super::grid::fixed_nodes;
 use super::{Obstacle, Task, Timing};

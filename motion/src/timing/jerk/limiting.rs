@@ -1,6 +1,7 @@
 //! Which limit is the tightest on each interval of a profile.
 
-use super::certificate::{Certificate, Rates};
+use super::certificate::Certificate;
+use super::uses::Rates;
 use crate::path::outcome::PathLimit;
 use crate::timing::limiting::Limiting;
 
