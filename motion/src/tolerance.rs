@@ -519,5 +519,11 @@ pub(crate) const VALLEY_MAX: f64 = 0.25;
 /// twice, has that many even if it is short.
 pub(crate) const SPAN_INTERVALS_MIN: usize = 8;
 
+/// Knots and borders closer than this part of the path are one node for the jerk solver (both have samples, and both are
+/// checked): its normal equations hold fourth powers of the ratio of path to interval, which leave no digits below.
+pub(crate) const JERK_NODES_APART: f64 = 1.0e-4;
+
+/// How many times as long as its neighbour an interval of the jerk solver's grid may be.
+pub(crate) const JERK_INTERVALS_RATIO: f64 = 4.0;
 /// The same where a speed at an end is given, so that slowing down evenly is no way out.
 pub(crate) const TIGHTEN_ROUNDS_MOVING: usize = 12;
