@@ -135,6 +135,8 @@ fn program(robot: &Robot, seed: u64, limit: bool) -> PathRequest {
         timing: Timing::Optimal,
         on_excess: OnExcess::SlowDown,
         transition: Transition::Smooth,
+        transition_time: None,
+        tolerance: None,
         start_speed: None,
         end_speed: None,
         sampling: Sampling::None,

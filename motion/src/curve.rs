@@ -1,5 +1,7 @@
 //! A path of the joints, as the timing sees it: q(s) and its derivatives in s.
 
+use crate::jet::Jet;
+
 /// q and its first three derivatives in s at one point of a path, one value a joint.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct CurvePoint {
@@ -39,6 +41,17 @@ pub(crate) trait Curve {
 }
 
 impl CurvePoint {
+    /// Takes the values and derivatives of jets, one a joint.
+    pub(crate) fn set(&mut self, joints: &[Jet]) {
+        for (joint, jet) in joints.iter().enumerate() {
+            let [value, first, second, third] = jet.derivatives();
+            self.position[joint] = value;
+            self.first[joint] = first;
+            self.second[joint] = second;
+            self.third[joint] = third;
+        }
+    }
+
     /// Room for so many joints.
     pub(crate) fn new(joint_count: usize) -> Self {
         let zeros = || vec![0.0; joint_count];

@@ -36,7 +36,7 @@ pub mod kinematics;
 #[allow(dead_code, unused_imports, reason = "the path planner under construction")]
 pub mod path;
 pub mod plan;
-#[allow(dead_code, reason = "the path planner under construction")]
+#[allow(dead_code, unused_imports, reason = "the path planner under construction")]
 pub mod process;
 pub mod robot;
 mod scalar;
@@ -54,3 +54,6 @@ pub use tolerance::{
     BEZIER_POINTS_MAX, DURATION_MAX, POSITION_MAX, SEGMENTS_MAX, SETPOINTS_MAX, SPLINE_POINTS_MAX, TARGETS_MAX,
     TRAJECTORY_POINTS_MAX, TRAVEL_MAX,
 };
+#[doc(hidden)]
+pub use timing::measured;
+pub use tolerance::{DURATION_MAX, POSITION_MAX, SETPOINTS_MAX, TRAJECTORY_POINTS_MAX, TRAVEL_MAX};

@@ -22,7 +22,7 @@ mod tests;
 
 pub use geometry::PathFrame;
 pub(crate) use geometry::ProcessSegment;
-pub(crate) use motion::ConstantSpeedMotion;
+pub(crate) use motion::{ConstantSpeedMotion, ToolState};
 
 use crate::budget::{Budget, Stopped};
 use crate::error::Invalid;
@@ -69,8 +69,7 @@ pub(crate) fn constant_speed(
     let segments = check(request).map_err(Failure::Invalid)?;
     let schedule = schedule(request, &segments, budget)?;
     let motion = ConstantSpeedMotion::new(segments.clone(), &schedule, request.form);
-    // written so that NaN is refused too
-    if !(motion.duration() <= DURATION_MAX) {
+    if motion.duration() > DURATION_MAX || motion.duration().is_nan() {
         let message = format!(
             "takes {} s at {} m/s; the longest plan is {DURATION_MAX} s",
             motion.duration(),
@@ -118,7 +117,7 @@ fn check(request: &ProcessRequest<'_>) -> Result<Vec<Segment>, Vec<Invalid>> {
             && segments.len() == index + 1
         {
             let gap = (here.frame(0.0).position - before.frame(before.length).position).norm();
-            if !(gap <= SEAM_GAP_MAX) {
+            if gap > SEAM_GAP_MAX || gap.is_nan() {
                 wrong.push(Invalid::new(
                     path(),
                     format!("begins {gap} m from where the one before it ends"),

@@ -18,6 +18,7 @@ pub(crate) mod jerk;
 pub(crate) mod law;
 pub(crate) mod limiting;
 pub(crate) mod limits;
+pub mod measured;
 pub(crate) mod reach;
 pub(crate) mod rows;
 mod solve;
@@ -30,14 +31,16 @@ use crate::budget::{Budget, Stopped};
 use crate::curve::Curve;
 use crate::path::outcome::PathInfeasibleReason;
 use crate::robot::Robot;
-use crate::tolerance::{CERTIFIED, CHECK_PARTS, SLOW_ROUNDS, TIGHTEN_ROUNDS, TIMING_INTERVALS_MIN, TIMING_PARTS};
+use crate::tolerance::{
+    CERTIFIED, CHECK_PARTS, SLOW_ROUNDS, TIGHTEN_ROUNDS, TIGHTEN_ROUNDS_MOVING, TIMING_INTERVALS_MIN, TIMING_PARTS,
+};
 use certificate::Certificate;
 use coefficients::Coefficients;
 use grid::{Grid, even, fixed_nodes};
 use law::TimeLaw;
 use limiting::Limiting;
 use limits::Limits;
-use rows::Rooms;
+use rows::{Rooms, RowPlaces};
 use solve::Problem;
 
 /// What is timed.
@@ -102,18 +105,18 @@ pub(crate) fn optimal(task: &Task<'_>, budget: &Budget<'_>) -> Result<Result<Tim
     }
     let fixed = fixed_nodes(task.curve, task.limits);
     let intervals = task.intervals.max(TIMING_INTERVALS_MIN);
-    let coarse = Grid::new(even(&fixed, intervals / 2), &fixed, TIMING_PARTS);
-    let first = match solve(task, coarse, None, budget)? {
+    let coarse = Grid::new(even(&fixed, intervals / 2), &fixed, 1);
+    let first = match solve(task, coarse, 1, None, budget)? {
         Ok(solved) => solved,
         Err(obstacle) => return Ok(Err(obstacle)),
     };
     let nodes = solve::graded(&fixed, intervals, &first.problem.grid.nodes, &first.squares);
-    let grid = Grid::new(nodes, &fixed, TIMING_PARTS);
-    let solved = match solve(task, grid, Some(&first), budget)? {
+    let grid = Grid::new(nodes, &fixed, CHECK_PARTS);
+    let solved = match solve(task, grid, TIMING_PARTS, Some(&first), budget)? {
         Ok(solved) => solved,
         Err(obstacle) => return Ok(Err(obstacle)),
     };
-    certify(task, &fixed, solved, budget)
+    certify(task, solved, budget)
 }
 
 /// A problem on a grid, and its solution.
@@ -126,18 +129,27 @@ struct Solved<'a> {
 fn solve<'a>(
     task: &Task<'a>,
     grid: Grid,
+    parts: usize,
     known: Option<&Solved<'_>>,
     budget: &Budget<'_>,
 ) -> Result<Result<Solved<'a>, Obstacle>, Stopped> {
-    let coefficients = compute(task, &grid, budget)?;
-    if let Some(obstacle) = standstill::obstacle(&coefficients, task.limits) {
+    let Task {
+        robot,
+        tcp,
+        curve,
+        limits,
+        ..
+    } = *task;
+    let coefficients = Coefficients::compute(robot, tcp, curve, limits, &grid.places, budget)?;
+    if let Some(obstacle) = standstill::obstacle(&coefficients, limits) {
         return Ok(Err(obstacle));
     }
     let rooms = Rooms::full(&coefficients);
     let problem = Problem {
+        rows: RowPlaces::new(&grid, parts),
         grid,
         coefficients,
-        limits: task.limits,
+        limits,
         ends: task.end_speeds.map(|speed| speed * speed),
     };
     let reference = known.map(|known| problem.reference(&known.problem.grid.nodes, &known.squares));
@@ -148,32 +160,25 @@ fn solve<'a>(
     })
 }
 
-fn compute(task: &Task<'_>, grid: &Grid, budget: &Budget<'_>) -> Result<Coefficients, Stopped> {
-    Coefficients::compute(task.robot, task.tcp, task.curve, task.limits, &grid.places, budget)
-}
-
 /// Makes a solution keep every limit between its samples.
-fn certify(
-    task: &Task<'_>,
-    fixed: &[f64],
-    solved: Solved<'_>,
-    budget: &Budget<'_>,
-) -> Result<Result<Timing, Obstacle>, Stopped> {
+fn certify(task: &Task<'_>, solved: Solved<'_>, budget: &Budget<'_>) -> Result<Result<Timing, Obstacle>, Stopped> {
     let Solved { problem, mut squares } = solved;
-    let grid = Grid::new(problem.grid.nodes.clone(), fixed, CHECK_PARTS);
-    let coefficients = compute(task, &grid, budget)?;
-    if let Some(obstacle) = standstill::obstacle(&coefficients, task.limits) {
-        return Ok(Err(obstacle));
-    }
     let certificate = Certificate {
-        grid,
-        coefficients,
+        grid: &problem.grid,
+        coefficients: &problem.coefficients,
         limits: task.limits,
+    };
+    // from rest to rest, slower is always possible
+    let from_rest = task.end_speeds == [0.0; 2];
+    let rounds_max = if from_rest {
+        TIGHTEN_ROUNDS
+    } else {
+        TIGHTEN_ROUNDS_MOVING
     };
     let mut rooms = Rooms::full(&problem.coefficients);
     let mut rounds = 0;
     let mut verdict = tighten::judge(&certificate, &squares, budget)?;
-    while verdict.worst > CERTIFIED && rounds < TIGHTEN_ROUNDS {
+    while verdict.worst > CERTIFIED && rounds < rounds_max {
         tighten::tighten(&mut rooms, &verdict.excesses, &problem);
         let reference = problem.reference(&problem.grid.nodes, &squares);
         match problem.solve(&rooms, Some(reference), budget)? {
@@ -183,8 +188,6 @@ fn certify(
         verdict = tighten::judge(&certificate, &squares, budget)?;
         rounds += 1;
     }
-    // from rest to rest, slower is always possible
-    let from_rest = task.end_speeds == [0.0; 2];
     for _ in 0..SLOW_ROUNDS {
         if verdict.worst <= CERTIFIED || !from_rest {
             break;

@@ -162,7 +162,7 @@ pub(crate) const IK_PATIENCE_NEAR: usize = 12;
 pub(crate) const IK_NEAR: f64 = 0.5;
 
 /// Steps times joints that end the search: some milliseconds.
-pub(crate) const IK_WORK: usize = 40_000;
+pub(crate) const IK_WORK: usize = 20_000;
 
 /// Most copies by whole turns of all solutions together.
 pub(crate) const IK_COPIES_MAX: usize = 1024;
@@ -315,8 +315,9 @@ pub(crate) const REACH_WIDTH: f64 = 1.0e-13;
 /// Rounds of Newton's method to the border of a set: it takes fewer than there are rows, three or four as a rule.
 pub(crate) const REACH_ROUNDS: usize = 100;
 
-/// Into how many parts the certificate of a timing divides an interval of its grid.
-pub(crate) const CHECK_PARTS: usize = 10;
+/// Into how many parts the certificate of a timing divides an interval of its grid: a multiple of [`TIMING_PARTS`]. What a
+/// cubic through neighbours leaves out is a fourth difference, some 1e-6 of a limit; ten parts find no more.
+pub(crate) const CHECK_PARTS: usize = 4;
 
 /// Fewest intervals that a path is timed with: fewer do not resolve one acceleration and one deceleration.
 pub(crate) const TIMING_INTERVALS_MIN: usize = 16;
@@ -479,9 +480,29 @@ pub(crate) const TRANSITION_SAMPLES: usize = 64;
 /// Steps of the golden-section search between two samples: they shorten 1/32 to 3e-12, the error at a kink.
 pub(crate) const GOLDEN_STEPS: usize = 48;
 
+/// How close the deviation of a shortened transition is to its tolerance, as part of that.
+pub(crate) const REACH_CLOSE: f64 = 1.0e-6;
+
 /// Halvings in the search for a reach or a speed: to rounding.
 pub(crate) const HALVINGS: usize = 50;
 
 /// Rounds of lowering the speed until every transition keeps the tool's acceleration; the second nearly always
 /// confirms the first.
 pub(crate) const GENTLE_ROUNDS: usize = 8;
+
+/// Rounds of lowering a constant speed until the arm can follow; torque limits near singularities take a few.
+pub(crate) const CONSTANT_SLOW_ROUNDS: usize = 40;
+
+/// Fewest intervals that the verifier samples of each stretch and transition at constant speed.
+pub(crate) const CONSTANT_PARTS_MIN: usize = 16;
+
+/// What a turn of one radian counts as, m, where the knots of a spline of the tool are spaced: the reach of a hand-held
+/// tool, so that a turn takes about the time of the way that such a tool's tip makes.
+pub(crate) const TURN_LENGTH: f64 = 0.1;
+
+/// Fewest intervals of a timing grid between two knots of the path: a blend, where accelerations rise and fall once or
+/// twice, has that many even if it is short.
+pub(crate) const SPAN_INTERVALS_MIN: usize = 8;
+
+/// The same where a speed at an end is given, so that slowing down evenly is no way out.
+pub(crate) const TIGHTEN_ROUNDS_MOVING: usize = 12;

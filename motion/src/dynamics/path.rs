@@ -5,6 +5,8 @@
 //! outward and inward pass computes all of them side by side, sharing rotations (Bobrow, Dubowsky and Gibson 1985 for the
 //! form). The verifier does not use it: it goes through velocities and accelerations in time.
 
+use std::ops::Range;
+
 use pulp::{Simd, WithSimd};
 
 use super::chain::{Body, Chain};
@@ -79,17 +81,24 @@ impl PathTerms {
 
     /// Computes the terms of every sample; those of a tool at a point of the last link's kernel frame, if there is one.
     pub(crate) fn compute(&mut self, chain: &Chain, tool: Option<[f64; 3]>) {
+        self.compute_some(chain, tool, 0..self.stride);
+    }
+
+    /// Computes the terms of samples from a multiple of [`LANES_MAX`] to another.
+    pub(crate) fn compute_some(&mut self, chain: &Chain, tool: Option<[f64; 3]>, samples: Range<usize>) {
         let tool_or_origin = tool.unwrap_or_default();
         if tool.is_some() {
             return pulp::Arch::new().dispatch(PathSweep::<true> {
                 chain,
                 tool: tool_or_origin,
+                samples,
                 terms: self,
             });
         }
         pulp::Arch::new().dispatch(PathSweep::<false> {
             chain,
             tool: tool_or_origin,
+            samples,
             terms: self,
         });
     }
@@ -98,6 +107,7 @@ impl PathTerms {
 struct PathSweep<'a, const TOOL: bool> {
     chain: &'a Chain,
     tool: [f64; 3],
+    samples: Range<usize>,
     terms: &'a mut PathTerms,
 }
 
@@ -138,7 +148,7 @@ impl<const TOOL: bool> PathSweep<'_, TOOL> {
         let (mut q, mut q1, mut q2) = ([zero; N], [zero; N], [zero; N]);
         let stride = self.terms.stride;
         let count = self.chain.joints.len();
-        for at in (0..stride).step_by(S::F64_LANES) {
+        for at in self.samples.step_by(S::F64_LANES) {
             for joint in 0..count.min(N) {
                 let entry = joint * stride + at;
                 q[joint] = Lanes::load(simd, &self.terms.position[entry..]);

@@ -164,15 +164,11 @@ impl Inverse {
     pub fn nearest(&self, pose: &Isometry3<f64>, reference: &[f64]) -> Result<Vec<f64>, Unreachable> {
         let target = Place::from(pose);
         let reference = self.reference(Some(reference));
-        let mut solutions = if self.closed_form.is_some() {
+        let solutions = if self.closed_form.is_some() {
             self.every_branch(target, &reference)?.0
         } else {
-            self.near(target, &reference)
+            self.near(target, &reference)?
         };
-        solutions.retain(|q| self.is_in_range(q));
-        if solutions.is_empty() {
-            solutions = self.every_branch(target, &reference)?.0;
-        }
         let mut positions = self.listed(solutions, &reference, Turns::Nearest);
         if self.is_in_range(&positions[0]) {
             return Ok(positions.swap_remove(0));
@@ -181,7 +177,8 @@ impl Inverse {
     }
 
     /// The solution on the reference's own branch, continuously from there and without whole turns: for the next place
-    /// of a path. The reference must be near, by less than some tenths of a radian.
+    /// of a path. The reference must be near, by less than some tenths of a radian: the steps follow no path in between,
+    /// so that whoever does sees by the joints' travel whether they have passed a singularity.
     ///
     /// # Errors
     /// Where the branch ends at a singularity before the pose, or leaves a joint's range, or the pose is out of reach.
@@ -213,21 +210,25 @@ impl Inverse {
                 return Ok((solutions, Method::ClosedForm));
             }
         }
-        let found = search::everywhere(&self.screws, target, &self.ranges, reference, IK_PATIENCE);
-        if found.solutions.is_empty() {
-            return Err(out_of_reach(found.closest));
-        }
-        Ok((found.solutions, Method::Numerical))
+        Ok((self.searched(target, reference, IK_PATIENCE)?, Method::Numerical))
     }
 
     /// The solution that a run from the reference leads to, where that is near; else those of a short search.
-    fn near(&self, target: Place, reference: &[f64]) -> Vec<Vec<f64>> {
+    fn near(&self, target: Place, reference: &[f64]) -> Result<Vec<Vec<f64>>, Unreachable> {
         let (q, gap) = search::from_reference(&self.screws, target, &self.ranges, reference, true);
         let is_near = q.iter().zip(reference).all(|(q, r)| (q - r).abs() <= IK_NEAR);
         if gap.is_closed() && is_near && self.is_in_range(&q) {
-            return vec![q];
+            return Ok(vec![q]);
         }
-        search::everywhere(&self.screws, target, &self.ranges, reference, IK_PATIENCE_NEAR).solutions
+        self.searched(target, reference, IK_PATIENCE_NEAR)
+    }
+
+    fn searched(&self, target: Place, reference: &[f64], patience: usize) -> Result<Vec<Vec<f64>>, Unreachable> {
+        let found = search::everywhere(&self.screws, target, &self.ranges, reference, patience);
+        if found.solutions.is_empty() {
+            return Err(out_of_reach(found.closest));
+        }
+        Ok(found.solutions)
     }
 
     /// One value a joint: the reference, or the middle of the range where it has none.

@@ -3,13 +3,11 @@
 use super::outcome::{
     BlendReport, LimitCost, LimitingStretch, Location, PathLimit, PathLimitUse, PathPlan, SegmentReport,
 };
-use super::plan::TimedStroke;
+use super::plan::{Run, Runs, TimedRun};
 use super::problem::Problem;
 use super::request::PathRequest;
 use super::sample;
-use super::stroke::Stroke;
 use crate::budget::Budget;
-use crate::curve::Curve;
 use crate::dynamics::{self, Workspace};
 use crate::plan::Failure;
 use crate::plan::margin;
@@ -17,51 +15,64 @@ use crate::plan::outcome::{OverrideSafety, Phase, TorqueMargin};
 use crate::tolerance::{PATH_CRUISE, PATH_LOCATE_ROUNDS};
 use crate::verify::{JointDemand, Verification};
 
-/// Everything that an answer is made of.
-pub(super) struct Parts<'a> {
-    pub(super) problem: &'a Problem,
-    pub(super) request: &'a PathRequest,
-    pub(super) strokes: &'a [TimedStroke],
-    pub(super) initial_dwell: f64,
-    pub(super) duration: f64,
-    pub(super) blends: Vec<BlendReport>,
-    pub(super) tool_lengths: Vec<f64>,
-    pub(super) warnings: Vec<String>,
-    pub(super) continuity: u32,
+/// Puts an answer together.
+///
+/// # Errors
+/// A budget that ended.
+pub(super) fn assemble(
+    problem: &Problem,
+    request: &PathRequest,
+    runs: Runs,
+    budget: &Budget<'_>,
+) -> Result<PathPlan, Failure> {
+    let duration = runs.duration();
+    let setpoints = sample::setpoints(problem, request, &runs.runs, duration, budget)?;
+    let parts = Parts {
+        problem,
+        request,
+        runs: &runs.runs,
+        initial_dwell: runs.initial_dwell,
+        duration,
+    };
+    let limiting = parts.limiting();
+    Ok(PathPlan {
+        duration,
+        continuity: runs.continuity,
+        segments: parts.segments(&runs.tool_lengths),
+        blends: parts.timed(runs.blends),
+        torque_margins: parts.torque_margins(),
+        limit_uses: parts.limit_uses(),
+        limit_costs: costs(&limiting),
+        limiting,
+        constant_speed: runs.constant_speed,
+        override_safe: parts.override_safe(),
+        setpoints,
+        warnings: runs.warnings,
+        torque_utilization: request.torque_utilization,
+        speed_scale: request.speed_scale,
+        payload: *problem.robot.payload(),
+    })
+}
+
+/// What an answer is made of.
+struct Parts<'a> {
+    problem: &'a Problem,
+    request: &'a PathRequest,
+    runs: &'a [TimedRun],
+    initial_dwell: f64,
+    duration: f64,
 }
 
 impl Parts<'_> {
-    pub(super) fn assemble(mut self, budget: &Budget<'_>) -> Result<PathPlan, Failure> {
-        let setpoints = sample::setpoints(self.problem, self.request, self.strokes, self.duration, budget)?;
-        let limiting = self.limiting();
-        Ok(PathPlan {
-            duration: self.duration,
-            continuity: self.continuity,
-            segments: self.segments(),
-            blends: self.timed_blends(),
-            torque_margins: self.torque_margins(),
-            limit_uses: self.limit_uses(),
-            limit_costs: costs(&limiting),
-            limiting,
-            constant_speed: None,
-            override_safe: self.override_safe(),
-            setpoints,
-            warnings: self.warnings,
-            torque_utilization: self.request.torque_utilization,
-            speed_scale: self.request.speed_scale,
-            payload: *self.problem.robot.payload(),
-        })
-    }
-
     /// When each segment is run through. One that goes nowhere has the time at which the one before it ends.
-    fn segments(&self) -> Vec<SegmentReport> {
+    fn segments(&self, tool_lengths: &[f64]) -> Vec<SegmentReport> {
         let mut reports: Vec<Option<SegmentReport>> = vec![None; self.request.segments.len()];
-        for timed in self.strokes {
-            for span in timed.stroke.spans() {
+        for timed in self.runs {
+            for span in timed.run.spans() {
                 reports[span.segment] = Some(SegmentReport {
                     begin: timed.begin + timed.law.time_at(span.begin),
                     end: timed.begin + timed.law.time_at(span.end),
-                    tool_length: self.tool_lengths[span.segment],
+                    tool_length: tool_lengths[span.segment],
                 });
             }
         }
@@ -78,14 +89,14 @@ impl Parts<'_> {
         known.collect()
     }
 
-    fn timed_blends(&mut self) -> Vec<BlendReport> {
-        let mut blends = std::mem::take(&mut self.blends);
+    /// Blends with their times.
+    fn timed(&self, mut blends: Vec<BlendReport>) -> Vec<BlendReport> {
         for blend in &mut blends {
-            let runs = |timed: &&TimedStroke| timed.stroke.spans().iter().any(|span| span.segment == blend.segment);
-            let Some(timed) = self.strokes.iter().find(runs) else {
+            let runs = |timed: &&TimedRun| timed.run.spans().iter().any(|span| span.segment == blend.segment);
+            let Some(timed) = self.runs.iter().find(runs) else {
                 continue;
             };
-            let at = |location: Location| timed.begin + timed.law.time_at(place(&timed.stroke, location));
+            let at = |location: Location| timed.begin + timed.law.time_at(place(timed.run.as_ref(), location));
             (blend.begin_time, blend.end_time) = (at(blend.begin), at(blend.end));
         }
         blends
@@ -96,7 +107,7 @@ impl Parts<'_> {
         let count = robot.joint_count();
         let mut demands = vec![JointDemand::default(); count];
         let mut rests = vec![(0.0, self.request.start.clone())];
-        for timed in self.strokes {
+        for timed in self.runs {
             for (sum, demand) in demands.iter_mut().zip(&timed.examined.demands) {
                 if demand.peak_torque.abs() > sum.peak_torque.abs() {
                     (sum.peak_torque, sum.time) = (demand.peak_torque, demand.time);
@@ -143,8 +154,8 @@ impl Parts<'_> {
 
     /// Whether the path is gaining speed at a time.
     fn phase(&self, time: f64) -> Phase {
-        let after = self.strokes.partition_point(|timed| timed.begin <= time);
-        let Some(timed) = after.checked_sub(1).map(|index| &self.strokes[index]) else {
+        let after = self.runs.partition_point(|timed| timed.begin <= time);
+        let Some(timed) = after.checked_sub(1).map(|index| &self.runs[index]) else {
             return Phase::Hold;
         };
         if time > timed.end() {
@@ -165,7 +176,7 @@ impl Parts<'_> {
     /// The tightest moment of every limit, tightest first.
     fn limit_uses(&self) -> Vec<PathLimitUse> {
         let mut uses: Vec<PathLimitUse> = Vec::new();
-        for timed in self.strokes {
+        for timed in self.runs {
             for tightest in &timed.examined.tightest {
                 let found = PathLimitUse {
                     kind: tightest.kind,
@@ -174,7 +185,7 @@ impl Parts<'_> {
                     limit: tightest.limit,
                     margin: 1.0 - tightest.ratio,
                     time: tightest.time,
-                    location: timed.stroke.location(tightest.s),
+                    location: timed.run.location(tightest.s),
                 };
                 let known = uses
                     .iter_mut()
@@ -207,23 +218,19 @@ impl Parts<'_> {
         if self.initial_dwell > 0.0 {
             add(rest(0.0, self.initial_dwell, Location::default()));
         }
-        for timed in self.strokes {
+        for timed in self.runs {
             for ruling in &timed.examined.rulings {
                 add(LimitingStretch {
                     begin: ruling.begin,
                     end: ruling.end,
                     kind: ruling.kind,
                     joint: ruling.joint,
-                    location: timed.stroke.location(ruling.s),
+                    location: timed.run.location(ruling.s),
                 });
             }
             if timed.dwell > 0.0 {
                 let end = timed.end();
-                add(rest(
-                    end,
-                    end + timed.dwell,
-                    timed.stroke.location(timed.stroke.length()),
-                ));
+                add(rest(end, end + timed.dwell, timed.run.location(timed.run.length())));
             }
         }
         stretches
@@ -231,7 +238,7 @@ impl Parts<'_> {
 
     fn override_safe(&self) -> Option<OverrideSafety> {
         let ratio = |safety: &OverrideSafety| safety.torque.abs() / safety.limit;
-        let strokes = self.strokes.iter();
+        let strokes = self.runs.iter();
         strokes
             .filter_map(|timed| timed.examined.override_safe)
             .fold(None, |worst: Option<OverrideSafety>, safety| match worst {
@@ -263,12 +270,12 @@ fn costs(limiting: &[LimitingStretch]) -> Vec<LimitCost> {
 }
 
 /// The path position of a location, which grows with it, by bisection.
-fn place(stroke: &Stroke, location: Location) -> f64 {
+fn place(run: &dyn Run, location: Location) -> f64 {
     let before = |s: f64| {
-        let at = stroke.location(s);
+        let at = run.location(s);
         (at.segment, at.fraction) < (location.segment, location.fraction)
     };
-    let (mut low, mut high) = (0.0, stroke.length());
+    let (mut low, mut high) = (0.0, run.length());
     for _ in 0..PATH_LOCATE_ROUNDS {
         let middle = 0.5 * (low + high);
         if before(middle) {

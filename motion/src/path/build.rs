@@ -11,7 +11,7 @@ use super::fault::{Fault, infeasible};
 use super::inverse::Followers;
 use super::outcome::{PathInfeasible, PathInfeasibleReason};
 use super::passage::Passage;
-use super::request::{Blend, PathRequest, Space};
+use super::request::{Blend, PathRequest, Segment, Shape, Space, SplineKind};
 use super::stroke::Stroke;
 use super::taught::Teacher;
 use super::track::{Joints, Track};
@@ -87,8 +87,19 @@ fn program(robot: &Robot, tcp: &Isometry3<f64>, request: &PathRequest, budget: &
             None => None,
         });
     }
+    if request.segments.iter().any(is_cubic) {
+        program.continuity = 2;
+    }
     program.strokes = strokes(&teacher, chain, mixes);
     Ok(program)
+}
+
+/// Whether the second derivative is all that is continuous: at the knots of a cubic spline.
+fn is_cubic(segment: &Segment) -> bool {
+    match &segment.shape {
+        Shape::Spline(spline) => spline.kind == SplineKind::Cubic && spline.points.len() > 1,
+        Shape::Joint { .. } | Shape::Line { .. } | Shape::Arc(_) => false,
+    }
 }
 
 /// Makes every segment a track, and leaves out those that go nowhere.
@@ -150,7 +161,7 @@ fn mix(
         Space::Joint => Mix::in_joint_space(passage, reach.blend.weight),
         Space::Tool => tool_mix(teacher, corner, passage, reach.blend, budget)?,
     };
-    if mix.slowest(corner, &teacher.speeds) < PACE_MIN {
+    if mix.slowest(corner, &teacher.speeds).0 < PACE_MIN {
         stop("the path turns back on itself there");
         return Ok(None);
     }

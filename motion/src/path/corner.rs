@@ -10,15 +10,16 @@ use super::arm::Arm;
 use super::follow::{Guide, Halt, Seeds, follow};
 use super::inverse::Followers;
 use super::outcome::Location;
+use super::pace::slowest;
 use super::passage::Passage;
 use super::request::Weight;
 use super::tool::ToolPoint;
-use super::track::{Joints, Track, pace};
+use super::track::{Joints, Track};
 use super::weight::weight;
 use crate::budget::{Budget, Stopped};
 use crate::curve::Side;
 use crate::jet::Jet;
-use crate::tolerance::{GOLDEN_ROUNDS, PACE_SAMPLES};
+use crate::tolerance::PACE_SAMPLES;
 
 /// A blend of two tracks.
 #[derive(Debug)]
@@ -160,29 +161,11 @@ impl Mix {
         self.follow.as_ref().map(|(_, seeds)| seeds.end())
     }
 
-    /// The slowest that the blend passes anywhere, as the largest part of a joint's full speed at ṡ = 1. It is 0 where
-    /// the path turns back on itself.
-    pub(super) fn slowest(&self, corner: Corner<'_>, speeds: &[f64]) -> f64 {
-        let length = self.passage.length();
-        let mut q = Joints::default();
-        let mut at = |s: f64| {
-            self.joints(corner, s, Side::After, &mut q);
-            pace(&q, speeds)
-        };
-        let step = length / PACE_SAMPLES as f64;
-        let paces: Vec<f64> = (0..=PACE_SAMPLES).map(|i| at(step * i as f64)).collect();
-        let mut slowest = paces.iter().copied().fold(f64::INFINITY, f64::min);
-        for i in 1..PACE_SAMPLES {
-            if paces[i] <= paces[i - 1] && paces[i] <= paces[i + 1] {
-                slowest = slowest.min(golden(
-                    &mut at,
-                    step * (i - 1) as f64,
-                    step * (i + 1) as f64,
-                    GOLDEN_ROUNDS,
-                ));
-            }
-        }
-        slowest
+    /// The slowest that the blend passes anywhere, and where.
+    pub(super) fn slowest(&self, corner: Corner<'_>, speeds: &[f64]) -> (f64, f64) {
+        slowest(self.passage.length(), PACE_SAMPLES, speeds, |s, q| {
+            self.joints(corner, s, Side::After, q);
+        })
     }
 }
 
@@ -198,25 +181,4 @@ pub(super) fn location(passage: &Passage, first: &Track, second: &Track, s: f64)
         segment: track.segment,
         fraction: (u / track.length).clamp(0.0, 1.0),
     }
-}
-
-/// The least value of a function with one valley, by golden section.
-pub(super) fn golden(f: &mut impl FnMut(f64) -> f64, mut low: f64, mut high: f64, rounds: usize) -> f64 {
-    let part = 0.5 * (5f64.sqrt() - 1.0);
-    let (mut a, mut b) = (high - part * (high - low), low + part * (high - low));
-    let (mut fa, mut fb) = (f(a), f(b));
-    for _ in 0..rounds {
-        if fa < fb {
-            high = b;
-            (b, fb) = (a, fa);
-            a = high - part * (high - low);
-            fa = f(a);
-        } else {
-            low = a;
-            (a, fa) = (b, fb);
-            b = low + part * (high - low);
-            fb = f(b);
-        }
-    }
-    fa.min(fb)
 }

@@ -18,6 +18,12 @@ impl From<Stopped> for Fault {
     }
 }
 
+impl From<Failure> for Fault {
+    fn from(failure: Failure) -> Self {
+        Self::Failure(failure)
+    }
+}
+
 impl From<PathInfeasible> for Fault {
     fn from(infeasible: PathInfeasible) -> Self {
         Self::Infeasible(Box::new(infeasible))

@@ -113,6 +113,24 @@ pub enum PathLimit {
     Rest,
 }
 
+impl PathLimit {
+    /// In words.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Torque => "torque",
+            Self::Velocity => "speed",
+            Self::Acceleration => "acceleration",
+            Self::Jerk => "jerk",
+            Self::PositionLower | Self::PositionUpper => "position",
+            Self::ToolVelocity => "tool speed",
+            Self::ToolAcceleration => "tool acceleration",
+            Self::ConstantSpeed => "constant speed",
+            Self::Rest => "rest",
+        }
+    }
+}
+
 /// The tightest moment of one limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PathLimitUse {
@@ -182,7 +200,8 @@ pub struct TransitionReport {
     pub begin_time: f64,
     /// s.
     pub end_time: f64,
-    /// Largest distance from the taught path, m.
+    /// Largest distance of the tool from the taught path, or of the taught point from the tool's way where that is
+    /// larger, m.
     pub deviation: f64,
     /// Largest jump of the velocity at its ends, m/s; 0 in the smooth form.
     pub velocity_jump: f64,

@@ -1,13 +1,17 @@
 //! From a program to a verified, timed path, or to the evidence why there is none.
 
+use std::fmt::Debug;
+
 use super::answer;
 use super::fault::infeasible;
-use super::outcome::{Location, PathInfeasible, PathInfeasibleReason, PathLimit, PathOutcome};
+use super::outcome::{
+    BlendReport, ConstantSpeedReport, Location, PathInfeasible, PathInfeasibleReason, PathLimit, PathOutcome,
+};
 use super::problem::Problem;
 use super::request::{PathRequest, Shape, Space, Target, Timing};
-use super::stroke::Stroke;
+use super::stroke::{Span, Stroke};
 use super::verify::{Examined, Tightest, Timed, examine};
-use super::{Program, build};
+use super::{build, constant};
 use crate::budget::Budget;
 use crate::curve::{Curve, CurvePoint, Side};
 use crate::error::Invalid;
@@ -15,26 +19,53 @@ use crate::plan::Failure;
 use crate::plan::request::Sampling;
 use crate::robot::Robot;
 use crate::timing::law::TimeLaw;
-use crate::timing::limits::Limits;
 use crate::timing::{self, Obstacle, Task};
 use crate::tolerance::{
     DURATION_MAX, PATH_SLOW_RESERVE, PATH_SLOW_ROUNDS, SETPOINTS_MAX, TIMING_INTERVALS, TRAVEL_MIN,
 };
 
-/// A stroke, timed and verified.
+/// A path without a stop within it, as the answer sees it.
+pub(super) trait Run: Curve + Debug {
+    /// Where its segments are, in order, without gaps.
+    fn spans(&self) -> &[Span];
+
+    /// Where on the request's segments a point is.
+    fn location(&self, s: f64) -> Location;
+}
+
+/// A path, timed and verified.
 #[derive(Debug)]
-pub(super) struct TimedStroke {
-    pub(super) stroke: Stroke,
-    pub(super) limits: Limits,
+pub(super) struct TimedRun {
+    pub(super) run: Box<dyn Run>,
     pub(super) law: TimeLaw,
     pub(super) examined: Examined,
     /// When it begins, s.
     pub(super) begin: f64,
     /// Time at rest after it, s.
     pub(super) dwell: f64,
+    /// Whether the arm stands still where it ends.
+    pub(super) ends_at_rest: bool,
 }
 
-impl TimedStroke {
+/// Everything that runs, in time order, and what is said of it.
+pub(super) struct Runs {
+    pub(super) runs: Vec<TimedRun>,
+    pub(super) initial_dwell: f64,
+    pub(super) blends: Vec<BlendReport>,
+    pub(super) tool_lengths: Vec<f64>,
+    pub(super) warnings: Vec<String>,
+    pub(super) continuity: u32,
+    pub(super) constant_speed: Option<ConstantSpeedReport>,
+}
+
+impl Runs {
+    /// When everything is over, s.
+    pub(super) fn duration(&self) -> f64 {
+        self.runs.last().map_or(self.initial_dwell, |run| run.end() + run.dwell)
+    }
+}
+
+impl TimedRun {
     /// When it ends, before the dwell.
     pub(super) fn end(&self) -> f64 {
         self.begin + self.law.duration()
@@ -42,13 +73,13 @@ impl TimedStroke {
 
     /// Where the arm stands after it: the taught joints themselves, not what rounding makes of them.
     pub(super) fn rest(&self, request: &PathRequest) -> Vec<f64> {
-        let last = self.stroke.spans().last();
+        let last = self.run.spans().last();
         let target = last.and_then(|span| request.segments[span.segment].shape.target());
         if let Some(Target::Joints(joints)) = target {
             return joints.clone();
         }
-        let mut point = CurvePoint::new(self.stroke.joint_count());
-        self.stroke.evaluate(self.stroke.length(), Side::Before, &mut point);
+        let mut point = CurvePoint::new(self.run.joint_count());
+        self.run.evaluate(self.run.length(), Side::Before, &mut point);
         point.position
     }
 }
@@ -59,58 +90,72 @@ impl TimedStroke {
 /// A request that is wrong, or a budget that ended. A program that cannot be run is not an error: it is an outcome.
 pub fn plan_path(robot: &Robot, request: &PathRequest, budget: &Budget<'_>) -> Result<PathOutcome, Failure> {
     let problem = Problem::new(robot, request)?;
-    let program = match build(&problem.robot, &problem.tcp, request, budget)? {
-        Ok(program) => program,
-        Err(infeasible) => return Ok(PathOutcome::Infeasible(infeasible)),
-    };
-    if request.timing == Timing::ConstantSpeed {
-        return Err(Failure::Invalid(vec![Invalid::new(
-            "timing",
-            "CONSTANT_SPEED is not planned by this version",
-        )]));
-    }
-    let Program {
-        strokes,
-        initial_dwell,
-        blends,
-        tool_lengths,
-        mut warnings,
-        continuity,
-    } = program;
     let cycle = match request.sampling {
         Sampling::Period(period) => Some(period),
         Sampling::None | Sampling::Trace(_) => None,
     };
-    let initial_dwell = in_cycles(initial_dwell, cycle);
-    let last = strokes.len().saturating_sub(1);
-    let mut begin = initial_dwell;
-    let mut timed = Vec::with_capacity(strokes.len());
-    for (index, stroke) in strokes.into_iter().enumerate() {
+    let runs = match request.timing {
+        Timing::Optimal => fastest(&problem, request, cycle, budget)?,
+        Timing::ConstantSpeed => constant::at_constant_speed(&problem, request, cycle, budget)?,
+    };
+    let mut runs = match runs {
+        Ok(runs) => runs,
+        Err(infeasible) => return Ok(PathOutcome::Infeasible(infeasible)),
+    };
+    check_duration(runs.duration(), cycle)?;
+    runs.warnings.splice(0..0, problem.warnings.iter().cloned());
+    let plan = answer::assemble(&problem, request, runs, budget)?;
+    Ok(PathOutcome::Plan(Box::new(plan)))
+}
+
+/// Times every stroke of the program as fast as its limits allow.
+fn fastest(
+    problem: &Problem,
+    request: &PathRequest,
+    cycle: Option<f64>,
+    budget: &Budget<'_>,
+) -> Result<Result<Runs, PathInfeasible>, Failure> {
+    let program = match build(&problem.robot, &problem.tcp, request, budget)? {
+        Ok(program) => program,
+        Err(infeasible) => return Ok(Err(infeasible)),
+    };
+    let mut runs = Runs {
+        runs: Vec::with_capacity(program.strokes.len()),
+        initial_dwell: in_cycles(program.initial_dwell, cycle),
+        blends: program.blends,
+        tool_lengths: program.tool_lengths,
+        warnings: program.warnings,
+        continuity: program.continuity,
+        constant_speed: None,
+    };
+    let last = program.strokes.len().saturating_sub(1);
+    for (index, stroke) in program.strokes.into_iter().enumerate() {
         let start = request.start_speed.filter(|_| index == 0);
         let end = request.end_speed.filter(|_| index == last);
-        let speeds =
-            [(0.0, start), (stroke.length(), end)].map(|(s, speed)| rate(&problem, request, &stroke, s, speed));
-        let stroke = match time(&problem, stroke, speeds, begin, cycle, budget)? {
-            Ok(stroke) => stroke,
-            Err(infeasible) => return Ok(PathOutcome::Infeasible(infeasible)),
+        if (start.is_some() || end.is_some()) && problem.limits_jerk(stroke.spans()) {
+            let path = if start.is_some() { "start_speed" } else { "end_speed" };
+            let message =
+                "a speed at an end of the path is not planned together with jerk limits; give limit_jerk false";
+            return Err(Failure::Invalid(vec![Invalid::new(path, message)]));
+        }
+        let speeds = [(0.0, start), (stroke.length(), end)].map(|(s, speed)| rate(problem, request, &stroke, s, speed));
+        let run = match time(problem, stroke, speeds, runs.duration(), cycle, budget)? {
+            Ok(run) => run,
+            Err(infeasible) => return Ok(Err(infeasible)),
         };
-        begin = stroke.end() + stroke.dwell;
-        timed.push(stroke);
+        runs.runs.push(run);
     }
-    check_duration(begin, cycle)?;
-    warnings.splice(0..0, problem.warnings.iter().cloned());
-    let answer = answer::Parts {
-        problem: &problem,
-        request,
-        strokes: &timed,
-        initial_dwell,
-        duration: begin,
-        blends,
-        tool_lengths,
-        warnings,
-        continuity,
-    };
-    Ok(PathOutcome::Plan(Box::new(answer.assemble(budget)?)))
+    Ok(Ok(runs))
+}
+
+impl Run for Stroke {
+    fn spans(&self) -> &[Span] {
+        Stroke::spans(self)
+    }
+
+    fn location(&self, s: f64) -> Location {
+        Stroke::location(self, s)
+    }
 }
 
 /// Path speed that gives the tool a speed, or the fastest joint where the path there is one of the joints.
@@ -132,7 +177,7 @@ fn rate(problem: &Problem, request: &PathRequest, stroke: &Stroke, s: f64, speed
 }
 
 /// A time at rest as a whole number of cycles.
-fn in_cycles(dwell: f64, cycle: Option<f64>) -> f64 {
+pub(super) fn in_cycles(dwell: f64, cycle: Option<f64>) -> f64 {
     cycle.map_or(dwell, |cycle| (dwell / cycle).ceil() * cycle)
 }
 
@@ -144,8 +189,8 @@ fn time(
     begin: f64,
     cycle: Option<f64>,
     budget: &Budget<'_>,
-) -> Result<Result<TimedStroke, PathInfeasible>, Failure> {
-    let limits = problem.limits(&stroke);
+) -> Result<Result<TimedRun, PathInfeasible>, Failure> {
+    let limits = problem.limits(stroke.spans());
     let task = Task {
         robot: &problem.robot,
         tcp: &problem.tcp,
@@ -154,7 +199,7 @@ fn time(
         end_speeds: speeds,
         intervals: TIMING_INTERVALS,
     };
-    let timing = if problem.limits_jerk(&stroke) {
+    let timing = if problem.limits_jerk(stroke.spans()) {
         timing::jerk::jerk_limited(&task, budget)?
     } else {
         timing::optimal(&task, budget)?
@@ -178,14 +223,13 @@ fn time(
         };
         let examined = examine(&problem.robot, &problem.tcp, timed, &ranges, budget)?;
         let Some(worst) = worst(&examined) else {
-            let dwell = in_cycles(stroke.dwell(), cycle);
-            return Ok(Ok(TimedStroke {
-                stroke,
-                limits,
+            return Ok(Ok(TimedRun {
+                dwell: in_cycles(stroke.dwell(), cycle),
+                run: Box::new(stroke),
                 law,
                 examined,
                 begin,
-                dwell,
+                ends_at_rest: speeds[1] == 0.0,
             }));
         };
         let factor = match slower(&worst, &examined) {
@@ -206,7 +250,7 @@ fn time(
 }
 
 /// The limit that is broken most, if any is.
-fn worst(examined: &Examined) -> Option<Tightest> {
+pub(super) fn worst(examined: &Examined) -> Option<Tightest> {
     let broken = examined.tightest.iter().filter(|tightest| tightest.ratio > 1.0);
     broken.fold(None, |worst: Option<Tightest>, tightest| match worst {
         Some(worst) if worst.ratio >= tightest.ratio => Some(worst),
@@ -215,7 +259,7 @@ fn worst(examined: &Examined) -> Option<Tightest> {
 }
 
 /// The part of the speed at which a broken limit holds; `None` where no speed helps.
-fn slower(worst: &Tightest, examined: &Examined) -> Option<f64> {
+pub(super) fn slower(worst: &Tightest, examined: &Examined) -> Option<f64> {
     let factor = match worst.kind {
         PathLimit::Velocity | PathLimit::ToolVelocity | PathLimit::ConstantSpeed => 1.0 / worst.ratio,
         PathLimit::Acceleration | PathLimit::ToolAcceleration => worst.ratio.sqrt().recip(),
@@ -243,7 +287,7 @@ fn slower(worst: &Tightest, examined: &Examined) -> Option<f64> {
 }
 
 /// The evidence where a limit is broken and slowing down does not help.
-fn broken(stroke: &Stroke, worst: &Tightest, examined: &Examined) -> PathInfeasible {
+pub(super) fn broken(run: &dyn Run, worst: &Tightest, examined: &Examined) -> PathInfeasible {
     let (reason, suggestion) = match worst.kind {
         PathLimit::PositionLower | PathLimit::PositionUpper => (
             PathInfeasibleReason::JointRange,
@@ -266,7 +310,7 @@ fn broken(stroke: &Stroke, worst: &Tightest, examined: &Examined) -> PathInfeasi
             .torque
             .filter(|point| Some(point.joint) == worst.joint && worst.kind == PathLimit::Torque)
             .map_or(0.0, |point| point.gravity),
-        ..infeasible(reason, stroke.location(worst.s), suggestion.to_owned())
+        ..infeasible(reason, run.location(worst.s), suggestion.to_owned())
     }
 }
 

@@ -3,9 +3,8 @@
 
 use nalgebra::Isometry3;
 
-use super::request::{PathRequest, Segment, ToolLimits};
-use super::stroke::Stroke;
-use crate::curve::Curve;
+use super::request::{PathRequest, Segment, Timing, ToolLimits};
+use super::stroke::Span;
 use crate::error::Invalid;
 use crate::plan::Failure;
 use crate::plan::problem::{JointLimit, check_part, check_positions, check_sampling, limits_in_force};
@@ -82,9 +81,9 @@ impl Problem {
         self.joints.iter().map(range).collect()
     }
 
-    /// What bounds a stroke, segment by segment.
-    pub(super) fn limits(&self, stroke: &Stroke) -> Limits {
-        let stretches = stroke.spans().iter().map(|span| {
+    /// What bounds a path, segment by segment.
+    pub(super) fn limits(&self, spans: &[Span]) -> Limits {
+        let stretches = spans.iter().map(|span| {
             let bounds = &self.segments[span.segment];
             Stretch {
                 end: span.end,
@@ -98,14 +97,18 @@ impl Problem {
         }
     }
 
-    /// Whether the jerk of any joint that moves on a stroke is limited.
-    pub(super) fn limits_jerk(&self, stroke: &Stroke) -> bool {
-        let mut spans = stroke.spans().iter();
-        stroke.length() > 0.0
-            && spans.any(|span| {
-                let joints = &self.segments[span.segment].joints;
-                joints.iter().any(|joint| joint.jerk.is_some())
-            })
+    /// Whether the jerk of any joint is limited anywhere on a path.
+    pub(super) fn limits_jerk(&self, spans: &[Span]) -> bool {
+        spans.iter().any(|span| {
+            let joints = &self.segments[span.segment].joints;
+            joints.iter().any(|joint| joint.jerk.is_some())
+        })
+    }
+
+    /// The tightest tool acceleration on some segments.
+    pub(super) fn tool_acceleration(&self, segments: &[usize]) -> Option<f64> {
+        let segments = segments.iter().map(|segment| self.segments[*segment].tool.acceleration);
+        segments.fold(None, tighter)
     }
 
     fn warn(&mut self) {
@@ -170,7 +173,7 @@ fn bounds(
     });
     let tool_velocity = [
         segment.tool_limits.velocity,
-        segment.tool_speed,
+        segment.tool_speed.filter(|_| request.timing == Timing::Optimal),
         request.tool_limits.velocity,
     ];
     let tool_acceleration = tighter(segment.tool_limits.acceleration, request.tool_limits.acceleration);

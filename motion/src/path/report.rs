@@ -2,8 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::corner::{Corner, Mix, golden};
+use super::corner::{Corner, Mix};
 use super::outcome::{BlendReport, Location};
+use super::pace::golden;
 use super::passage::Passage;
 use super::track::{Joints, Track};
 use crate::curve::Side;
@@ -29,7 +30,7 @@ pub(super) fn of_blend(corner: Corner<'_>, mix: &Mix, shrunk: Option<String>) ->
     let deepest = (0..depths.len()).max_by(|a, b| depths[*a].total_cmp(&depths[*b]));
     let around = step * deepest.unwrap_or(0) as f64;
     let (low, high) = ((around - step).max(0.0), (around + step).min(length));
-    let deviation = -golden(&mut depth, low, high, DEVIATION_ROUNDS);
+    let deviation = -golden(&mut depth, low, high, DEVIATION_ROUNDS).0;
     BlendReport {
         segment: first.segment,
         begin: Location {

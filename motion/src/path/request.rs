@@ -36,6 +36,10 @@ pub struct PathRequest {
     pub on_excess: OnExcess,
     /// Form of the transitions at constant speed.
     pub transition: Transition,
+    /// Half of what a transition takes at constant speed, s; `None`: chosen by the tool's acceleration.
+    pub transition_time: Option<f64>,
+    /// Farthest that a transition at constant speed may be from the taught path, m.
+    pub tolerance: Option<f64>,
     /// Tool speed at the start of the path, m/s (joint paths: rad/s of the fastest joint); `None`: rest.
     pub start_speed: Option<f64>,
     /// The same at the end.

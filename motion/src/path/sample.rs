@@ -1,12 +1,12 @@
 //! Samples of a timed path: set-points on the caller's cycle, or a trace for looking at.
 
 use super::outcome::{Location, PathSetpoints};
-use super::plan::TimedStroke;
+use super::plan::TimedRun;
 use super::problem::Problem;
 use super::request::PathRequest;
 use super::verify::State;
 use crate::budget::Budget;
-use crate::curve::{Curve, Side};
+use crate::curve::Side;
 use crate::dynamics::sweep::Sweep;
 use crate::kinematics;
 use crate::plan::Failure;
@@ -20,7 +20,7 @@ const BLOCK: usize = 512;
 pub(super) fn setpoints(
     problem: &Problem,
     request: &PathRequest,
-    strokes: &[TimedStroke],
+    runs: &[TimedRun],
     duration: f64,
     budget: &Budget<'_>,
 ) -> Result<Option<PathSetpoints>, Failure> {
@@ -35,7 +35,7 @@ pub(super) fn setpoints(
             (0..points).map(|k| (step * k as f64).min(duration)).collect()
         }
     };
-    let mut sampler = Sampler::new(problem, request, strokes);
+    let mut sampler = Sampler::new(problem, request, runs);
     for block in times.chunks(BLOCK) {
         budget.check()?;
         sampler.block(block);
@@ -47,7 +47,7 @@ pub(super) fn setpoints(
 
 struct Sampler<'a> {
     problem: &'a Problem,
-    strokes: &'a [TimedStroke],
+    runs: &'a [TimedRun],
     start: &'a [f64],
     /// Where the arm stands after each stroke.
     rests: Vec<Vec<f64>>,
@@ -57,13 +57,13 @@ struct Sampler<'a> {
 }
 
 impl<'a> Sampler<'a> {
-    fn new(problem: &'a Problem, request: &'a PathRequest, strokes: &'a [TimedStroke]) -> Self {
+    fn new(problem: &'a Problem, request: &'a PathRequest, runs: &'a [TimedRun]) -> Self {
         let count = problem.robot.joint_count();
         Self {
             problem,
-            strokes,
+            runs,
             start: &request.start,
-            rests: strokes.iter().map(|stroke| stroke.rest(request)).collect(),
+            rests: runs.iter().map(|run| run.rest(request)).collect(),
             sweep: Sweep::default(),
             state: State::new(count),
             setpoints: PathSetpoints {
@@ -116,23 +116,22 @@ impl<'a> Sampler<'a> {
 
     /// Sets the state at a time, and says where it is.
     fn set(&mut self, time: f64) -> Location {
-        let after = self.strokes.partition_point(|stroke| stroke.begin <= time);
-        let Some((stroke, rest)) = after
+        let after = self.runs.partition_point(|run| run.begin <= time);
+        let Some((run, rest)) = after
             .checked_sub(1)
-            .map(|index| (&self.strokes[index], &self.rests[index]))
+            .map(|index| (&self.runs[index], &self.rests[index]))
         else {
             self.state.rest_at(self.start);
             return Location::default();
         };
-        let last = after == self.strokes.len();
+        let last = after == self.runs.len();
         // a path that ends at speed is sampled to its very end
-        let ends_at_rest = stroke.law.at(stroke.law.duration()).velocity == 0.0;
-        if time < stroke.end() || (last && !ends_at_rest && time <= stroke.end()) {
+        if time < run.end() || (last && !run.ends_at_rest && time <= run.end()) {
             self.state
-                .set(&stroke.stroke, &stroke.law, time - stroke.begin, Side::After);
-            return stroke.stroke.location(self.state.s);
+                .set(run.run.as_ref(), &run.law, time - run.begin, Side::After);
+            return run.run.location(self.state.s);
         }
         self.state.rest_at(rest);
-        stroke.stroke.location(stroke.stroke.length())
+        run.run.location(run.run.length())
     }
 }

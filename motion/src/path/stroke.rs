@@ -205,12 +205,6 @@ impl Curve for Stroke {
     fn evaluate(&self, s: f64, side: Side, point: &mut CurvePoint) {
         let mut q = [Jet::default(); JOINTS_MAX];
         self.joints(s, side, &mut q);
-        for (joint, q) in q.iter().enumerate().take(self.arm.joint_count()) {
-            let [value, first, second, third] = q.derivatives();
-            point.position[joint] = value;
-            point.first[joint] = first;
-            point.second[joint] = second;
-            point.third[joint] = third;
-        }
+        point.set(&q[..self.arm.joint_count()]);
     }
 }

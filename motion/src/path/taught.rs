@@ -9,7 +9,7 @@ use super::circle;
 use super::fault::Fault;
 use super::guided::{Guided, Led};
 use super::piecewise::Piecewise;
-use super::request::{Arc, ArcOrientation, Circle, PathRequest, Shape, Target};
+use super::request::{Arc, ArcOrientation, Circle, PathRequest, Shape, Space, Target};
 use super::shape::{ToolCurve, Turn};
 use super::track::Track;
 use crate::budget::Budget;
@@ -69,15 +69,44 @@ impl<'a> Teacher<'a> {
                     .filter(|_| arc.orientation == ArcOrientation::Interpolated);
                 (self.arc(&format!("segments[{segment}].arc"), arc)?, target)
             }
-            Shape::Spline(_) => {
-                let message = "splines cannot be planned so far";
-                return Err(Fault::invalid(format!("segments[{segment}]"), message));
+            Shape::Spline(spline) => {
+                let path = format!("segments[{segment}].spline");
+                let curve = match spline.space {
+                    Space::Joint => return self.joint_spline(segment, &path, spline),
+                    Space::Tool => self.tool_spline(&path, spline)?,
+                };
+                let Some(curve) = curve else { return Ok(None) };
+                let track = self.guided(segment, curve, spline.points.last(), warnings, budget)?;
+                self.check_pace(&path, &track)?;
+                return Ok(Some(track));
             }
         };
         if curve.is_shorter_than(SEGMENT_MIN) {
             return Ok(None);
         }
         self.guided(segment, curve, target, warnings, budget).map(Some)
+    }
+
+    /// The curve of a line or an arc from where the arm is; `None` where it goes nowhere.
+    pub(super) fn curve(&self, segment: usize, shape: &Shape) -> Result<Option<ToolCurve>, Fault> {
+        let curve = match shape {
+            Shape::Line { target } => ToolCurve::line(&self.pose(), &self.pose_of(target)),
+            Shape::Arc(arc) => self.arc(&format!("segments[{segment}].arc"), arc)?,
+            Shape::Joint { .. } | Shape::Spline(_) => return Ok(None),
+        };
+        Ok((!curve.is_shorter_than(SEGMENT_MIN)).then_some(curve))
+    }
+
+    /// Puts the arm where a segment ends, nearest to where it is.
+    pub(super) fn stand_at(&mut self, segment: usize, pose: &Isometry3<f64>) -> Result<(), Fault> {
+        let found = self.inverse.nearest(pose, &self.q);
+        self.q = found.map_err(|unreachable| self.missing(segment, unreachable))?;
+        Ok(())
+    }
+
+    /// The joints beyond six on the way from where the arm is to where a curve ends.
+    pub(super) fn led_to(&self, segment: usize, curve: &ToolCurve) -> Result<Vec<Led>, Fault> {
+        self.led(segment, curve, None)
     }
 
     /// A segment whose curve is the tool's. `target` is where it was taught to end, pose and joints.
@@ -210,7 +239,7 @@ impl<'a> Teacher<'a> {
     }
 
     fn joint(&mut self, segment: usize, target: &Target) -> Result<Option<Track>, Fault> {
-        let end = self.joints_of(segment, target)?;
+        let end = self.joints_of(segment, target, &self.q)?;
         let travel = self.q.iter().zip(&end).map(|(from, to)| (to - from).abs());
         if travel.fold(0.0, f64::max) < SEGMENT_MIN {
             return Ok(None);
@@ -223,24 +252,24 @@ impl<'a> Teacher<'a> {
     }
 
     /// Where the tool is.
-    fn pose(&self) -> Isometry3<f64> {
+    pub(super) fn pose(&self) -> Isometry3<f64> {
         kinematics::pose(self.robot, &self.q, self.tcp)
     }
 
-    /// The joint positions of a taught point; of a pose, those nearest to where the arm is.
-    fn joints_of(&self, segment: usize, target: &Target) -> Result<Vec<f64>, Fault> {
+    /// The joint positions of a taught point; of a pose, those nearest to a reference.
+    pub(super) fn joints_of(&self, segment: usize, target: &Target, reference: &[f64]) -> Result<Vec<f64>, Fault> {
         match target {
             Target::Joints(positions) => Ok(positions.clone()),
             Target::Pose { .. } => {
                 let pose = self.pose_of(target);
-                let found = self.inverse.nearest(&pose, &self.q);
+                let found = self.inverse.nearest(&pose, reference);
                 found.map_err(|unreachable| self.missing(segment, unreachable).into())
             }
         }
     }
 
     /// The pose of a taught point in base-link axes.
-    fn pose_of(&self, target: &Target) -> Isometry3<f64> {
+    pub(super) fn pose_of(&self, target: &Target) -> Isometry3<f64> {
         match target {
             Target::Joints(positions) => kinematics::pose(self.robot, positions, self.tcp),
             Target::Pose { pose, frame } => self.frame(frame.as_deref()) * pose,

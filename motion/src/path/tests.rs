@@ -1,5 +1,7 @@
+mod constant;
 mod joint;
 mod mixed;
 mod plan;
+mod spline;
 mod support;
 mod tool;

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::arm::Arm;
 use super::guided::Guided;
+use super::pace::{normal_length, slowest};
 use super::piecewise::Piecewise;
 use super::tool::ToolPoint;
 use crate::curve::Side;
@@ -112,6 +113,15 @@ impl Track {
         }
     }
 
+    /// The slowest that it passes anywhere, and at which part of it; of a spline alone it can be 0.
+    pub(super) fn slowest(&self, arm: &Arm, speeds: &[f64]) -> (f64, f64) {
+        let samples = PACE_SAMPLES * (self.knots.len() + 1);
+        let (pace, u) = slowest(self.length, samples, speeds, |u, q| {
+            self.joints(arm, Jet::variable(u, 1.0), Side::After, q);
+        });
+        (pace, u / self.length)
+    }
+
     /// Whether the tool runs along it at constant speed in u.
     pub(super) fn is_uniform(&self) -> bool {
         match &self.geometry {
@@ -163,24 +173,4 @@ impl Track {
 /// The knots between the ends, stretched.
 fn inner(knots: &[f64], factor: f64) -> Vec<f64> {
     knots[1..knots.len() - 1].iter().map(|knot| knot * factor).collect()
-}
-
-/// ∫ max_j |q′_j|/V_j du: how long the curve takes where the joint that is nearest to its speed limit is just at it.
-fn normal_length(end: f64, speeds: &[f64], samples: usize, at: impl Fn(Jet, &mut Joints)) -> f64 {
-    let mut q = Joints::default();
-    let mut sum = 0.0;
-    for i in 0..samples {
-        let u = end * (i as f64 + 0.5) / samples as f64;
-        at(Jet::variable(u, 1.0), &mut q);
-        sum += pace(&q, speeds);
-    }
-    sum / samples as f64 * end
-}
-
-/// max_j |q′_j|/V_j.
-pub(super) fn pace(q: &Joints, speeds: &[f64]) -> f64 {
-    q.iter()
-        .zip(speeds)
-        .map(|(q, speed)| q.0[1].abs() / speed)
-        .fold(0.0, f64::max)
 }

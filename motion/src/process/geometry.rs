@@ -205,7 +205,8 @@ impl Segment {
                 let turned = if turned < 0.0 { turned + TAU } else { turned };
                 if turned <= *angle {
                     let height = from_center.dot(normal);
-                    return libm::hypot(libm::hypot(x, y) - radius, height);
+                    let outward = (x * x + y * y).sqrt() - radius;
+                    return (outward * outward + height * height).sqrt();
                 }
                 let to_end = point - self.frame(self.length).position;
                 (point - self.start).norm().min(to_end.norm())

@@ -2,7 +2,7 @@
 //!
 //! With t = 2·ta·h and ta = D/Vs, velocity is dp/dh·Vs/(2D) and acceleration d²p/dh²·Vs²/(4D²).
 
-use super::search::{largest, smallest};
+use super::search::{largest, largest_that, power_within, smallest};
 use super::transition::{Curve, Node};
 use crate::path::request::Transition;
 
@@ -29,7 +29,7 @@ pub(super) fn off_path(node: &Node<'_>, form: Transition, reach: f64) -> f64 {
     }
 }
 
-/// The largest reach, up to `most`, whose deviation is within `tolerance`.
+/// A reach, up to `most`, as large as may be whose deviation is within `tolerance`.
 pub(super) fn reach_within(node: &Node<'_>, form: Transition, tolerance: f64, most: f64) -> f64 {
     if let Some(turn) = node.turn_of_lines() {
         return match node {
@@ -37,7 +37,7 @@ pub(super) fn reach_within(node: &Node<'_>, form: Transition, tolerance: f64, mo
             Node::Start(_) | Node::End(_) => most,
         };
     }
-    super::search::largest_that(most, |reach| deviation(node, form, reach) <= tolerance)
+    power_within(most, tolerance, |reach| deviation(node, form, reach))
 }
 
 /// Lowest speed, as part of Vs.
@@ -80,5 +80,5 @@ pub(super) fn reach_gentle(node: &Node<'_>, form: Transition, bound: f64, least:
         return least.min(most);
     }
     // gentler with growing reach: what must still be added to `most` downwards
-    most - super::search::largest_that(most - least, |spare| sharpest(node, form, most - spare) <= bound)
+    most - largest_that(most - least, |spare| sharpest(node, form, most - spare) <= bound)
 }

@@ -1,7 +1,7 @@
 //! The smallest value of a function on 0 to 1: samples, then a golden-section search (Kiefer 1953) about every sampled
 //! minimum. It needs no derivatives and finds kinks too, where the nearest segment changes.
 
-use crate::tolerance::{GOLDEN_STEPS, HALVINGS, TRANSITION_SAMPLES};
+use crate::tolerance::{GOLDEN_STEPS, HALVINGS, REACH_CLOSE, TRANSITION_SAMPLES};
 
 /// (√5 − 1)/2.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
@@ -61,6 +61,51 @@ pub(super) fn largest_that(most: f64, holds: impl Fn(f64) -> bool) -> f64 {
     low
 }
 
+/// An x up to `most` with f(x) ≤ bound: `most`, or one where f is within [`REACH_CLOSE`] of the bound. f rises from 0 like a
+/// power of x, so that its logarithm is nearly a straight line of that of x: secants on it, and halving where one leaves
+/// what is known to hold the place. What is returned was tried; where nothing was within the bound, it is the smallest tried.
+pub(super) fn power_within(most: f64, bound: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let value = f(most);
+    if value <= bound {
+        return most;
+    }
+    // a little inside, so that what is close to it is within the bound
+    let target = bound * (1.0 - 0.5 * REACH_CLOSE);
+    let over = |value: f64| libm::log((value / target).max(f64::MIN_POSITIVE));
+    let mut outside = libm::log(most);
+    let mut inside = f64::NEG_INFINITY;
+    let mut last = [outside, over(value)];
+    // as if f were in proportion to x; of a higher power it is a step too far, and inside
+    let mut next = last[0] - last[1];
+    for _ in 0..HALVINGS {
+        let here = [next, over(f(libm::exp(next)))];
+        if here[1].abs() <= 0.5 * REACH_CLOSE {
+            return libm::exp(next);
+        }
+        if here[1] > 0.0 {
+            outside = next;
+        } else {
+            inside = next;
+        }
+        next = here[0] - here[1] * (here[0] - last[0]) / (here[1] - last[1]);
+        if !(next > inside && next < outside) {
+            // still nothing inside: on as far again
+            let low = if inside.is_finite() {
+                inside
+            } else {
+                outside - here[1].abs() - 1.0
+            };
+            next = 0.5 * (low + outside);
+        }
+        last = here;
+    }
+    if inside.is_finite() {
+        libm::exp(inside)
+    } else {
+        libm::exp(outside)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -83,5 +128,29 @@ mod tests {
         assert!((largest_that(3.0, |x| x * x <= 2.0) / 2.0_f64.sqrt() - 1.0).abs() < 1e-12);
         assert_eq!(largest_that(3.0, |_| true), 3.0);
         assert_eq!(largest_that(3.0, |_| false), 0.0);
+    }
+
+    #[test]
+    fn powers_are_met_from_within() {
+        for power in [1.0, 1.5, 2.0, 6.0] {
+            for bound in [1e-12, 1e-6, 0.3] {
+                let calls = std::cell::Cell::new(0);
+                let f = |x: f64| {
+                    calls.set(calls.get() + 1);
+                    x.powf(power) * (1.0 + 0.2 * x)
+                };
+                let reached = f(power_within(3.0, bound, f));
+                assert!(
+                    reached <= bound && reached > bound * (1.0 - REACH_CLOSE),
+                    "{power} {bound} {reached}"
+                );
+                assert!(calls.get() < 12, "{power} {bound}: {}", calls.get());
+            }
+        }
+        assert_eq!(power_within(3.0, 1.0, |_| 0.5), 3.0);
+        // one that is no power at all, and one with a jump across the bound, are still kept within
+        assert!(power_within(3.0, 1e-3, |x| if x > 0.1 { 1.0 } else { 0.0 }) <= 0.1);
+        let cosine = |x: f64| 1.0 - x.cos();
+        assert!(cosine(power_within(3.0, 1.2, cosine)) <= 1.2);
     }
 }

@@ -229,6 +229,7 @@ impl Polynomial {
         })
     }
 
+    #[inline]
     pub(super) fn position(&self, h: f64) -> Vector3<f64> {
         let sum = self
             .coefficients

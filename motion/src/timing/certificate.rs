@@ -1,8 +1,9 @@
 //! What a timing takes of every limit, between its samples too.
 //!
 //! Each value (torque, speed, acceleration, jerk apart) is evaluated exactly at several points of every interval. Between
-//! three neighbouring ones it is taken for a parabola, whose peak is at most |D₂|/8 above them, D₂ being the second
-//! difference: a bound that is exact up to third differences. Coulomb torque jumps where a joint turns round; around such a
+//! neighbouring ones it is taken for a cubic: a parabola, whose peak is at most |D₂|/8 above them, and a rest of at most
+//! |D₃|/(9·√3), D₂ and D₃ being second and third differences. What is left out are fourth differences. Viscous torque goes with √a, which is no parabola near rest and
+//! has a bound of its own. Coulomb torque jumps where a joint turns round; around such a
 //! place both of its signs count.
 
 use super::coefficients::Coefficients;
@@ -10,13 +11,16 @@ use super::grid::Grid;
 use super::limits::{Limits, Stretch};
 use crate::budget::{Budget, Stopped};
 use crate::path::outcome::PathLimit;
-use crate::tolerance::CHECK_PARTS;
+use crate::tolerance::{CERTIFIED, CHECK_PARTS};
 
 /// Intervals between two looks at the budget.
 const BUDGET_EVERY: usize = 64;
 
 /// Points of an interval.
 const POINTS: usize = CHECK_PARTS + 1;
+
+/// The largest |t·(t² − 1)/6| for t in [0, 1], 1/(9·√3).
+const CUBIC_REST: f64 = 0.064_150_029_909_958_42;
 
 /// What a timing takes of one limit at one point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,6 +41,19 @@ pub(crate) struct Use {
 }
 
 impl Use {
+    fn plain(kind: PathLimit, joint: Option<usize>, [interval, part]: [usize; 2], value: f64, limit: f64) -> Self {
+        Self {
+            kind,
+            joint,
+            interval,
+            part,
+            value,
+            limit,
+            still: 0.0,
+            viscous: 0.0,
+        }
+    }
+
     /// Part of the limit.
     pub(crate) fn ratio(&self) -> f64 {
         self.value / self.limit
@@ -44,10 +61,11 @@ impl Use {
 }
 
 /// Points of a path at which timings are checked.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Certificate<'a> {
-    pub(crate) grid: Grid,
-    pub(crate) coefficients: Coefficients,
+    /// Its samples divide each interval into [`CHECK_PARTS`].
+    pub(crate) grid: &'a Grid,
+    pub(crate) coefficients: &'a Coefficients,
     pub(crate) limits: &'a Limits,
 }
 
@@ -59,8 +77,8 @@ struct Rates {
 }
 
 impl Certificate<'_> {
-    /// Looks at every limit on every interval; `rates` is a and b at a point of an interval, `visit` sees the use of every
-    /// limit at every point.
+    /// Looks at every limit on every interval; `rates` is a and b at a point of an interval. `visit` sees the use of every
+    /// limit in the middle of each interval, and elsewhere every use above [`CERTIFIED`].
     ///
     /// # Errors
     /// [`Stopped`], when nobody waits any more.
@@ -99,19 +117,10 @@ impl Certificate<'_> {
         let column = |column: &[f64]| -> [f64; POINTS] { std::array::from_fn(|part| column[begin + part]) };
         let terms = &self.coefficients.terms;
         let first = column(&terms.first);
-        let plain = |kind, part, value: f64, limit| Use {
-            kind,
-            joint: Some(joint),
-            interval,
-            part,
-            value,
-            limit,
-            still: 0.0,
-            viscous: 0.0,
-        };
+        let plain = |kind, part, value, limit| Use::plain(kind, Some(joint), [interval, part], value, limit);
         if let Some(limit) = limits.velocity {
             let values: [f64; POINTS] = std::array::from_fn(|part| first[part] * at.root[part]);
-            for (part, value) in magnitudes(&values).into_iter().enumerate() {
+            for (part, value) in noteworthy(&magnitudes(&values), limit) {
                 visit(&plain(PathLimit::Velocity, part, value, limit));
             }
         }
@@ -119,33 +128,30 @@ impl Certificate<'_> {
             let second = column(&terms.second);
             let values: [f64; POINTS] =
                 std::array::from_fn(|part| first[part] * at.b[part] + second[part] * at.a[part]);
-            for (part, value) in magnitudes(&values).into_iter().enumerate() {
+            for (part, value) in noteworthy(&magnitudes(&values), limit) {
                 visit(&plain(PathLimit::Acceleration, part, value, limit));
             }
         }
         let Some(limit) = limits.torque else { return };
         let (mass, velocity, gravity) = (column(&terms.mass), column(&terms.velocity), column(&terms.gravity));
         let viscous = column(&self.coefficients.viscous);
-        let values: [f64; POINTS] = std::array::from_fn(|part| {
-            mass[part] * at.b[part] + velocity[part] * at.a[part] + viscous[part] * at.root[part] + gravity[part]
-        });
-        let [above, below] = bulges(&values);
-        for part in 0..POINTS {
-            let (high, low) = (
-                self.coefficients.coulomb_high[begin + part],
-                self.coefficients.coulomb_low[begin + part],
-            );
-            let up = values[part] + above[part] + high;
-            let down = below[part] - values[part] - low;
-            let drag = viscous[part] * at.root[part];
-            let (value, still, viscous) = if up >= down {
-                (up, gravity[part] + high, drag)
-            } else {
-                (down, -gravity[part] - low, -drag)
-            };
+        let smooth: [f64; POINTS] =
+            std::array::from_fn(|part| mass[part] * at.b[part] + velocity[part] * at.a[part] + gravity[part]);
+        let values = std::array::from_fn(|part| smooth[part] + viscous[part] * at.root[part]);
+        let [above, below] = larger(bulges(&values), bulges_with_root(&smooth, &viscous, &at.root));
+        let coulomb = [
+            column(&self.coefficients.coulomb_high),
+            column(&self.coefficients.coulomb_low),
+        ];
+        let up: [f64; POINTS] = std::array::from_fn(|part| values[part] + above[part] + coulomb[0][part]);
+        let down: [f64; POINTS] = std::array::from_fn(|part| below[part] - values[part] - coulomb[1][part]);
+        let more = std::array::from_fn(|part| up[part].max(down[part]));
+        for (part, value) in noteworthy(&more, limit) {
+            let sign = if up[part] >= down[part] { 1.0 } else { -1.0 };
+            let side = if sign > 0.0 { 0 } else { 1 };
             visit(&Use {
-                still,
-                viscous,
+                still: sign * (gravity[part] + coulomb[side][part]),
+                viscous: sign * viscous[part] * at.root[part],
                 ..plain(PathLimit::Torque, part, value, limit)
             });
         }
@@ -153,21 +159,12 @@ impl Certificate<'_> {
 
     fn visit_tool(&self, interval: usize, stretch: &Stretch, at: &Rates, visit: &mut dyn FnMut(&Use)) {
         let begin = self.grid.first[interval];
-        let plain = |kind, part, value: f64, limit| Use {
-            kind,
-            joint: None,
-            interval,
-            part,
-            value,
-            limit,
-            still: 0.0,
-            viscous: 0.0,
-        };
+        let plain = |kind, part, value, limit| Use::plain(kind, None, [interval, part], value, limit);
         let length = |v: [f64; 3]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
         if let Some(limit) = stretch.tool_velocity {
             let values: [f64; POINTS] =
                 std::array::from_fn(|part| length(self.coefficients.tool_first(begin + part)) * at.root[part]);
-            for (part, value) in magnitudes(&values).into_iter().enumerate() {
+            for (part, value) in noteworthy(&magnitudes(&values), limit) {
                 visit(&plain(PathLimit::ToolVelocity, part, value, limit));
             }
         }
@@ -179,28 +176,61 @@ impl Certificate<'_> {
                     first[axis] * at.b[part] + second[axis] * at.a[part]
                 }))
             });
-            for (part, value) in magnitudes(&values).into_iter().enumerate() {
+            for (part, value) in noteworthy(&magnitudes(&values), limit) {
                 visit(&plain(PathLimit::ToolAcceleration, part, value, limit));
             }
         }
     }
 }
 
-/// By how much values may be above, and below, what they are at the points: the bulge of the parabolas nearby.
+/// The points in the middle of an interval and those where a value is above what is certified.
+fn noteworthy(values: &[f64; POINTS], limit: f64) -> impl Iterator<Item = (usize, f64)> {
+    let worth = move |(part, value): &(usize, f64)| *part == CHECK_PARTS / 2 || *value > CERTIFIED * limit;
+    values.to_owned().into_iter().enumerate().filter(worth)
+}
+
+/// By how much values may be above, and below, what they are at the points: the bulge of the cubics nearby.
 fn bulges(values: &[f64; POINTS]) -> [[f64; POINTS]; 2] {
     let mut bend = [0.0; POINTS];
     for part in 1..POINTS - 1 {
         bend[part] = (values[part - 1] - 2.0 * values[part] + values[part + 1]) / 8.0;
     }
+    let mut skew: f64 = 0.0;
+    for part in 1..POINTS - 2 {
+        skew = skew.max(8.0 * CUBIC_REST * (bend[part + 1] - bend[part]).abs());
+    }
     (bend[0], bend[POINTS - 1]) = (bend[1], bend[POINTS - 2]);
-    let mut bulges = [[0.0; POINTS]; 2];
+    let mut bulges = [[skew; POINTS]; 2];
     for part in 0..POINTS {
         for near in part.saturating_sub(1)..=(part + 1).min(POINTS - 1) {
-            bulges[0][part] = f64::max(bulges[0][part], -bend[near]);
-            bulges[1][part] = f64::max(bulges[1][part], bend[near]);
+            bulges[0][part] = f64::max(bulges[0][part], skew - bend[near]);
+            bulges[1][part] = f64::max(bulges[1][part], skew + bend[near]);
         }
     }
     bulges
+}
+
+/// The bulges of `smooth + factor·√a` near rest, where √a is far from a parabola. Between two points it is above its chord by
+/// at most (r₁ − r₀)²/(4·(r₀ + r₁)), the r being its values there and a being linear.
+fn bulges_with_root(smooth: &[f64; POINTS], factor: &[f64; POINTS], root: &[f64; POINTS]) -> [[f64; POINTS]; 2] {
+    let mut all = bulges(smooth);
+    for part in 0..POINTS - 1 {
+        let (step, sum) = (root[part + 1] - root[part], root[part + 1] + root[part]);
+        if sum <= 0.0 {
+            continue;
+        }
+        let rise = step * step / (4.0 * sum);
+        let most = factor[part].abs().max(factor[part + 1].abs()) * rise;
+        // a positive factor bulges up, a negative one down
+        let side = &mut all[usize::from(factor[part] < 0.0)];
+        side[part] += most;
+        side[part + 1] += most;
+    }
+    all
+}
+
+fn larger(a: [[f64; POINTS]; 2], b: [[f64; POINTS]; 2]) -> [[f64; POINTS]; 2] {
+    std::array::from_fn(|side| std::array::from_fn(|part| a[side][part].max(b[side][part])))
 }
 
 /// Magnitudes with their bulges.

@@ -4,7 +4,7 @@
 //! sees what holds beyond it; elsewhere neighbours share the sample at their common node.
 
 use crate::curve::{Curve, Side};
-use crate::tolerance::GRID_NODES_APART;
+use crate::tolerance::{GRID_NODES_APART, SPAN_INTERVALS_MIN};
 
 use super::limits::Limits;
 
@@ -51,15 +51,15 @@ pub(crate) fn fixed_nodes(curve: &dyn Curve, limits: &Limits) -> Vec<f64> {
     kept
 }
 
-/// About `count` intervals of equal length in `measure`, a growing function of s given at increasing places, between
-/// fixed nodes. Places and values of the measure are linear in between.
+/// About `count` intervals, but several between any two fixed nodes, of equal length in `measure`, a growing function of s given at
+/// increasing places. Places and values of the measure are linear in between.
 pub(crate) fn spread(fixed: &[f64], count: usize, places: &[f64], measure: &[f64]) -> Vec<f64> {
     let total = measure[measure.len() - 1] - measure[0];
     let value = |s: f64| interpolate(places, measure, s);
     let mut nodes = vec![fixed[0]];
     for pair in fixed.windows(2) {
         let (low, high) = (value(pair[0]), value(pair[1]));
-        let intervals = ((count as f64 * (high - low) / total).round() as usize).max(1);
+        let intervals = ((count as f64 * (high - low) / total).round() as usize).max(SPAN_INTERVALS_MIN);
         for k in 1..intervals {
             let part = low + (high - low) * k as f64 / intervals as f64;
             let s = interpolate(measure, places, part);
@@ -132,8 +132,7 @@ mod tests {
     #[test]
     fn knots_have_a_sample_on_each_side_and_other_nodes_one() {
         let fixed = [0.0, 1.0, 3.0];
-        let nodes = even(&fixed, 6);
-        assert_eq!(nodes, [0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0]);
+        let nodes = vec![0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0];
         let grid = Grid::new(nodes, &fixed, 2);
         assert_eq!(grid.first, [0, 2, 5, 7, 9, 11]);
         let at: Vec<f64> = grid.places.iter().map(|place| place.s).collect();
@@ -149,9 +148,22 @@ mod tests {
 
     #[test]
     fn a_measure_draws_nodes_together() {
-        let nodes = spread(&[0.0, 1.0], 4, &[0.0, 0.2, 1.0], &[0.0, 1.0, 2.0]);
-        for (node, expected) in nodes.iter().zip([0.0, 0.1, 0.2, 0.6, 1.0]) {
+        let nodes = spread(&[0.0, 1.0], 16, &[0.0, 0.2, 1.0], &[0.0, 1.0, 2.0]);
+        assert_eq!(nodes.len(), 17);
+        for (k, node) in nodes.iter().enumerate() {
+            let expected = if k <= 8 {
+                0.025 * k as f64
+            } else {
+                0.2 + 0.1 * (k - 8) as f64
+            };
             assert!((node - expected).abs() < 1e-15, "{nodes:?}");
         }
+    }
+
+    #[test]
+    fn every_stretch_between_knots_has_several_intervals() {
+        let nodes = even(&[0.0, 0.01, 3.0], 20);
+        assert_eq!(nodes.iter().filter(|s| **s < 0.01).count(), SPAN_INTERVALS_MIN);
+        assert_eq!(nodes.len(), 1 + SPAN_INTERVALS_MIN + 20);
     }
 }

@@ -23,56 +23,69 @@ const BUDGET_EVERY: usize = 64;
 /// Why no timing was found: a speed at an end of the path cannot be had.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Unreachable {
-    /// From none of the a at this node can the end be reached at its speed.
-    End {
-        /// The node after which it can.
-        node: usize,
-    },
-    /// The start's a is outside of what can be had there.
+    /// The end cannot be reached as fast as is asked.
+    End,
+    /// The start is too fast for what follows.
     Start {
-        /// The nearest a that can.
-        nearest: f64,
+        /// The largest a that is not.
+        largest: f64,
     },
 }
 
-/// Lines that bound b: b ≤ or ≥ `at_rest` − `slope`·a.
+/// Lines at_rest − slope·a in groups of [`GROUP`], the last one filled up with lines that are infinite.
 #[derive(Debug, Default)]
 struct Lines {
-    at_rest: Vec<f64>,
-    slope: Vec<f64>,
+    groups: Vec<Group>,
+    count: usize,
 }
+
+/// Lines side by side, for the compiler to take them together.
+#[derive(Debug, Clone, Copy)]
+struct Group {
+    at_rest: [f64; GROUP],
+    slope: [f64; GROUP],
+}
+
+/// Lines of a group.
+const GROUP: usize = 4;
 
 impl Lines {
     fn clear(&mut self) {
-        self.at_rest.clear();
-        self.slope.clear();
+        self.groups.clear();
+        self.count = 0;
     }
 
     fn push(&mut self, at_rest: f64, slope: f64) {
-        self.at_rest.push(at_rest);
-        self.slope.push(slope);
+        let lane = self.count % GROUP;
+        if lane == 0 {
+            self.groups.push(Group {
+                at_rest: [f64::INFINITY; GROUP],
+                slope: [0.0; GROUP],
+            });
+        }
+        if let Some(group) = self.groups.last_mut() {
+            (group.at_rest[lane], group.slope[lane]) = (at_rest, slope);
+        }
+        self.count += 1;
     }
 }
 
 /// The smallest of lines at a, and its slope.
-fn lowest(at_rest: &[f64], slope: &[f64], a: f64) -> (f64, f64) {
-    let mut best = (f64::INFINITY, 0.0);
-    for (at_rest, slope) in at_rest.iter().zip(slope) {
-        let value = at_rest - slope * a;
-        if value < best.0 {
-            best = (value, *slope);
+fn lowest(groups: &[Group], a: f64) -> (f64, f64) {
+    let mut value = [f64::INFINITY; GROUP];
+    let mut slope = [0.0; GROUP];
+    for group in groups {
+        for lane in 0..GROUP {
+            let here = group.at_rest[lane] - group.slope[lane] * a;
+            let less = here < value[lane];
+            value[lane] = if less { here } else { value[lane] };
+            slope[lane] = if less { group.slope[lane] } else { slope[lane] };
         }
     }
-    best
-}
-
-/// The largest of lines at a, and its slope.
-fn highest(at_rest: &[f64], slope: &[f64], a: f64) -> (f64, f64) {
-    let mut best = (f64::NEG_INFINITY, 0.0);
-    for (at_rest, slope) in at_rest.iter().zip(slope) {
-        let value = at_rest - slope * a;
-        if value > best.0 {
-            best = (value, *slope);
+    let mut best = (value[0], slope[0]);
+    for lane in 1..GROUP {
+        if value[lane] < best.0 {
+            best = (value[lane], slope[lane]);
         }
     }
     best
@@ -81,7 +94,9 @@ fn highest(at_rest: &[f64], slope: &[f64], a: f64) -> (f64, f64) {
 /// What bounds b on one interval.
 #[derive(Debug, Default)]
 struct Interval {
+    /// b ≤ each of these.
     upper: Lines,
+    /// −b ≤ each of these.
     lower: Lines,
     /// Largest a.
     cap: f64,
@@ -91,7 +106,7 @@ impl Interval {
     /// α·a + β·b ≤ γ.
     fn push(&mut self, alpha: f64, beta: f64, gamma: f64) {
         if beta.abs() > REACH_ROW_FLAT * gamma {
-            let scale = 1.0 / beta;
+            let scale = 1.0 / beta.abs();
             let lines = if beta > 0.0 { &mut self.upper } else { &mut self.lower };
             lines.push(gamma * scale, alpha * scale);
         } else if alpha > 0.0 {
@@ -99,24 +114,24 @@ impl Interval {
         }
     }
 
-    /// Rows of all samples of an interval. The last sample's a is not bounded here: what can be had there is.
-    fn fill(&mut self, grid: &Grid, rows: &Rows, interval: usize) {
+    /// Rows of all places of an interval. The last one's a is not bounded here: what can be had there is.
+    fn fill(&mut self, grid: &Grid, rows: &Rows<'_>, interval: usize) {
         self.upper.clear();
         self.lower.clear();
-        let first = grid.first[interval];
+        let (first, parts) = (rows.places.first[interval], rows.places.parts);
         self.cap = rows.speed_bound[first];
-        let step = 2.0 * grid.step(interval) / grid.parts as f64;
-        for part in 0..=grid.parts {
+        let step = 2.0 * grid.step(interval) / parts as f64;
+        for part in 0..=parts {
             let reach = step * part as f64;
             for pair in rows.at(first + part) {
                 self.push(pair.a[0], pair.b + reach * pair.a[0], pair.c[0]);
                 self.push(pair.a[1], reach * pair.a[1] - pair.b, pair.c[1]);
             }
-            if part > 0 && part < grid.parts {
+            if part > 0 && part < parts {
                 // 0 ≤ a + reach·b ≤ bound
                 let scale = 1.0 / reach;
                 self.upper.push(rows.speed_bound[first + part] * scale, scale);
-                self.lower.push(0.0, scale);
+                self.lower.push(0.0, -scale);
             }
         }
     }
@@ -125,7 +140,7 @@ impl Interval {
     fn end_within(&mut self, step: f64, [low, high]: [f64; 2]) {
         let scale = 1.0 / (2.0 * step);
         self.upper.push(high * scale, scale);
-        self.lower.push(low * scale, scale);
+        self.lower.push(-low * scale, -scale);
     }
 
     /// The border of {a: lower(a) ≤ upper(a)} that is met first from outside, from the right or from the left. The width
@@ -133,14 +148,14 @@ impl Interval {
     fn border(&self, from: f64, from_right: bool) -> Option<f64> {
         let mut a = from;
         for _ in 0..REACH_ROUNDS {
-            let (upper, falls) = lowest(&self.upper.at_rest, &self.upper.slope, a);
-            let (lower, rises) = highest(&self.lower.at_rest, &self.lower.slope, a);
-            let width = upper - lower;
+            let (upper, falls) = lowest(&self.upper.groups, a);
+            let (lower, rises) = lowest(&self.lower.groups, a);
+            let width = upper + lower;
             // scaled by the terms that cancel, not by what they leave
             if width >= -REACH_WIDTH * (upper.abs() + (falls * a).abs() + lower.abs() + (rises * a).abs()) {
                 return Some(a);
             }
-            let slope = rises - falls;
+            let slope = -rises - falls;
             if (slope >= 0.0) == from_right {
                 return None;
             }
@@ -159,18 +174,18 @@ impl Interval {
 /// [`Stopped`], when nobody waits any more.
 pub(crate) fn fastest(
     grid: &Grid,
-    rows: &Rows,
+    rows: &Rows<'_>,
     ends: [f64; 2],
     budget: &Budget<'_>,
 ) -> Result<Result<Vec<f64>, Unreachable>, Stopped> {
     let count = grid.interval_count();
     let at_end = rows.speed_bound.last().copied().unwrap_or(0.0);
     if ends[1] > at_end {
-        return Ok(Err(Unreachable::End { node: count }));
+        return Ok(Err(Unreachable::End));
     }
     let mut sets = vec![[ends[1]; 2]; count + 1];
     // the upper lines of every interval, and where each one's begin: for the way forwards
-    let mut kept = Lines::default();
+    let mut kept: Vec<Group> = Vec::new();
     let mut ranges = vec![0..0; count];
     let mut interval = Interval::default();
     for i in (0..count).rev() {
@@ -179,13 +194,15 @@ pub(crate) fn fastest(
         }
         interval.fill(grid, rows, i);
         interval.end_within(grid.step(i), sets[i + 1]);
-        // the sample before a node may be bound more tightly than the one after it
+        // the place before a node may be bound more tightly than the one after it
         let high = match i.checked_sub(1) {
-            Some(before) => interval.cap.min(rows.speed_bound[grid.first[before] + grid.parts]),
+            Some(before) => interval
+                .cap
+                .min(rows.speed_bound[rows.places.first[before] + rows.places.parts]),
             None => interval.cap,
         };
         let Some(high) = interval.border(high, true) else {
-            return Ok(Err(Unreachable::End { node: i + 1 }));
+            return Ok(Err(Unreachable::End));
         };
         let low = if sets[i + 1][0] > 0.0 {
             interval.border(0.0, false).unwrap_or(high).min(high)
@@ -193,20 +210,20 @@ pub(crate) fn fastest(
             0.0
         };
         sets[i] = [low, high];
-        let begin = kept.slope.len();
-        kept.at_rest.extend_from_slice(&interval.upper.at_rest);
-        kept.slope.extend_from_slice(&interval.upper.slope);
-        ranges[i] = begin..kept.slope.len();
+        let begin = kept.len();
+        kept.extend_from_slice(&interval.upper.groups);
+        ranges[i] = begin..kept.len();
     }
     let [low, high] = sets[0];
-    if ends[0] < low || ends[0] > high {
-        let nearest = ends[0].clamp(low, high);
-        return Ok(Err(Unreachable::Start { nearest }));
+    if ends[0] > high {
+        return Ok(Err(Unreachable::Start { largest: high }));
+    }
+    if ends[0] < low {
+        return Ok(Err(Unreachable::End));
     }
     let mut squares = vec![ends[0]; count + 1];
     for i in 0..count {
-        let range = ranges[i].clone();
-        let (b, _) = lowest(&kept.at_rest[range.clone()], &kept.slope[range], squares[i]);
+        let (b, _) = lowest(&kept[ranges[i].clone()], squares[i]);
         let [low, high] = sets[i + 1];
         squares[i + 1] = (squares[i] + 2.0 * grid.step(i) * b).clamp(low, high);
     }

@@ -9,8 +9,40 @@
 //! acceleration, at most A in every direction, stays within a regular polygon inscribed in that circle.
 
 use super::coefficients::Coefficients;
+use super::grid::Grid;
 use super::limits::Limits;
-use crate::tolerance::{PATH_SPEED_SQUARED_MAX, TIMING_RESERVE, TOOL_FACETS};
+use crate::tolerance::{TIMING_RESERVE, TOOL_FACETS};
+
+/// The samples that have rows: those of a grid at both ends of its intervals and some in between.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct RowPlaces {
+    /// Which samples of the grid.
+    pub(crate) samples: Vec<usize>,
+    /// Rows of interval i are at `samples[first[i]]` to `samples[first[i] + parts]`, both included.
+    pub(crate) first: Vec<usize>,
+    /// Into how many parts they divide an interval.
+    pub(crate) parts: usize,
+}
+
+impl RowPlaces {
+    /// Rows that divide each interval of a grid into `parts`, which divides the grid's own.
+    pub(crate) fn new(grid: &Grid, parts: usize) -> Self {
+        let every = grid.parts / parts;
+        let mut places = Self {
+            samples: Vec::with_capacity(grid.interval_count() * (parts + 1)),
+            first: Vec::with_capacity(grid.interval_count()),
+            parts,
+        };
+        for first in &grid.first {
+            if places.samples.last() != Some(first) {
+                places.samples.push(*first);
+            }
+            places.first.push(places.samples.len() - 1);
+            places.samples.extend((1..=parts).map(|part| first + part * every));
+        }
+        places
+    }
+}
 
 /// Two rows with opposite β.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,12 +85,13 @@ impl Rooms {
     }
 }
 
-/// The rows of every sample but those of the speed.
-#[derive(Debug, Default)]
-pub(crate) struct Rows {
+/// The rows at their places, but those of the speed.
+#[derive(Debug)]
+pub(crate) struct Rows<'a> {
+    pub(crate) places: &'a RowPlaces,
     per_sample: usize,
     pairs: Vec<Pair>,
-    /// Largest ṡ², one a sample.
+    /// Largest ṡ², one a place.
     pub(crate) speed_bound: Vec<f64>,
     /// Whether viscous torque is in a row, so that the rows depend on where its tangents are.
     pub(crate) viscous: bool,
@@ -71,9 +104,16 @@ const NOTHING: Pair = Pair {
     c: [f64::INFINITY; 2],
 };
 
-impl Rows {
-    /// The rows, with the tangents of viscous torque at `reference`, an a for each sample.
-    pub(crate) fn new(coefficients: &Coefficients, limits: &Limits, rooms: &Rooms, reference: &[f64]) -> Self {
+impl<'a> Rows<'a> {
+    /// The rows, with the tangents of viscous torque at `reference`, an a for each place; without one, where speed alone
+    /// would bound it.
+    pub(crate) fn new(
+        coefficients: &Coefficients,
+        limits: &Limits,
+        rooms: &Rooms,
+        places: &'a RowPlaces,
+        reference: Option<&[f64]>,
+    ) -> Self {
         let any = |bounds: &dyn Fn(usize, usize) -> bool| -> Vec<usize> {
             let stretches = 0..limits.stretches.len();
             let bounded = |joint: &usize| stretches.clone().any(|stretch| bounds(stretch, *joint));
@@ -91,15 +131,15 @@ impl Rows {
             0
         };
         let per_sample = torque.len() + acceleration.len() + facets;
-        let count = coefficients.places.len();
-        let bounds = coefficients.speed_bound.iter().zip(&rooms.speed);
+        let count = places.samples.len();
         let speed = (1.0 - rooms.reserve) * (1.0 - rooms.reserve);
+        let bound = |sample: &usize| coefficients.speed_bound[*sample] * rooms.speed[*sample] * speed;
+        let speed_bound: Vec<f64> = places.samples.iter().map(bound).collect();
         let mut rows = Self {
+            places,
             per_sample,
             pairs: vec![NOTHING; per_sample * count],
-            speed_bound: bounds
-                .map(|(bound, room)| (bound * room * speed).min(PATH_SPEED_SQUARED_MAX))
-                .collect(),
+            speed_bound,
             viscous: false,
         };
         for (row, joint) in torque.iter().enumerate() {
@@ -114,9 +154,9 @@ impl Rows {
         rows
     }
 
-    /// The pairs of a sample.
-    pub(crate) fn at(&self, sample: usize) -> &[Pair] {
-        &self.pairs[sample * self.per_sample..(sample + 1) * self.per_sample]
+    /// The pairs of a place.
+    pub(crate) fn at(&self, place: usize) -> &[Pair] {
+        &self.pairs[place * self.per_sample..(place + 1) * self.per_sample]
     }
 
     fn add_torque(
@@ -124,13 +164,13 @@ impl Rows {
         coefficients: &Coefficients,
         limits: &Limits,
         rooms: &Rooms,
-        reference: &[f64],
+        reference: Option<&[f64]>,
         joint: usize,
         row: usize,
     ) {
         let terms = &coefficients.terms;
-        for (sample, stretch) in coefficients.stretch.iter().enumerate() {
-            let Some(limit) = limits.stretches[*stretch].joints[joint].torque else {
+        for (place, sample) in self.places.samples.iter().copied().enumerate() {
+            let Some(limit) = limits.stretches[coefficients.stretch[sample]].joints[joint].torque else {
                 continue;
             };
             let entry = joint * coefficients.stride + sample;
@@ -149,12 +189,13 @@ impl Rows {
                 let (costly, helpful) = if viscous > 0.0 { (0, 1) } else { (1, 0) };
                 let c = viscous.abs();
                 // a tangent that takes half of the room at a = 0 leaves standing still feasible
-                let root = reference[sample].sqrt().min(pair.c[costly] / c);
+                let tangent = reference.map_or(self.speed_bound[place], |reference| reference[place]);
+                let root = tangent.sqrt().min(pair.c[costly] / c);
                 pair.a[costly] += c / (2.0 * root);
                 pair.c[costly] -= 0.5 * c * root;
-                pair.a[helpful] -= c / self.speed_bound[sample].sqrt();
+                pair.a[helpful] -= c / self.speed_bound[place].sqrt();
             }
-            self.pairs[sample * self.per_sample + row] = pair;
+            self.pairs[place * self.per_sample + row] = pair;
         }
     }
 
@@ -166,13 +207,13 @@ impl Rows {
         joint: usize,
         row: usize,
     ) {
-        for (sample, stretch) in coefficients.stretch.iter().enumerate() {
-            let Some(limit) = limits.stretches[*stretch].joints[joint].acceleration else {
+        for (place, sample) in self.places.samples.iter().copied().enumerate() {
+            let Some(limit) = limits.stretches[coefficients.stretch[sample]].joints[joint].acceleration else {
                 continue;
             };
             let entry = joint * coefficients.stride + sample;
             let second = coefficients.terms.second[entry];
-            self.pairs[sample * self.per_sample + row] = Pair {
+            self.pairs[place * self.per_sample + row] = Pair {
                 b: coefficients.terms.first[entry],
                 a: [second, -second],
                 c: [limit * (1.0 - rooms.reserve) * rooms.acceleration[entry]; 2],
@@ -188,14 +229,14 @@ impl Rows {
         let normals: Vec<(f64, f64)> = (0..TOOL_FACETS / 4)
             .map(|facet| libm::sincos((facet as f64 + 0.5) * step))
             .collect();
-        for (sample, stretch) in coefficients.stretch.iter().enumerate() {
-            let Some(limit) = limits.stretches[*stretch].tool_acceleration else {
+        for (place, sample) in self.places.samples.iter().copied().enumerate() {
+            let Some(limit) = limits.stretches[coefficients.stretch[sample]].tool_acceleration else {
                 continue;
             };
             let [length, along, across] = plane(coefficients.tool_first(sample), coefficients.tool_second(sample));
             let c = limit * (1.0 - rooms.reserve) * rooms.tool_acceleration[sample] * inscribed;
             for (facet, (sin, cos)) in normals.iter().enumerate() {
-                self.pairs[sample * self.per_sample + row + facet] = Pair {
+                self.pairs[place * self.per_sample + row + facet] = Pair {
                     b: cos * length,
                     a: [cos * along + sin * across, sin * across - cos * along],
                     c: [c; 2],

@@ -1,4 +1,4 @@
-//! Paths for tests: polynomials, and joint moves with rounded corners.
+//! Paths for tests: joint moves with rounded corners.
 
 use crate::curve::{Curve, CurvePoint, Side};
 use crate::jet::Jet;
@@ -6,50 +6,13 @@ use crate::robot::Robot;
 use crate::robot::description::{Description, Kinematics};
 use crate::test_arms::random;
 
-/// One polynomial a joint, lowest power first, from s = 0 to a length.
-pub(crate) struct Polynomials {
-    pub(crate) joints: Vec<Vec<f64>>,
-    pub(crate) ends: [f64; 2],
-}
-
-impl Polynomials {
-    pub(crate) fn new(joints: Vec<Vec<f64>>, length: f64) -> Self {
-        Self {
-            joints,
-            ends: [0.0, length],
-        }
-    }
-}
-
-fn set(point: &mut CurvePoint, joint: usize, value: Jet) {
+pub(super) fn set(point: &mut CurvePoint, joint: usize, value: Jet) {
     [
         point.position[joint],
         point.first[joint],
         point.second[joint],
         point.third[joint],
     ] = value.derivatives();
-}
-
-impl Curve for Polynomials {
-    fn joint_count(&self) -> usize {
-        self.joints.len()
-    }
-
-    fn length(&self) -> f64 {
-        self.ends[1]
-    }
-
-    fn knots(&self) -> &[f64] {
-        &self.ends
-    }
-
-    fn evaluate(&self, s: f64, _: Side, point: &mut CurvePoint) {
-        let s = Jet::variable(s.clamp(0.0, self.ends[1]), 1.0);
-        for (joint, coefficients) in self.joints.iter().enumerate() {
-            let sum = |sum: Jet, c: &f64| sum * s + *c;
-            set(point, joint, coefficients.iter().rev().fold(Jet::default(), sum));
-        }
-    }
 }
 
 /// Straight joint moves between points, each corner rounded over half of the shorter of its two moves. On straight parts

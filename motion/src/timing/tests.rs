@@ -2,7 +2,8 @@
 
 use nalgebra::Isometry3;
 
-use super::test_curves::{Polynomials, puma560, random_walk, ur5e};
+use super::measured::Polynomials;
+use super::test_curves::{puma560, random_walk, ur5e};
 use super::*;
 use crate::curve::{CurvePoint, Side};
 use crate::dynamics::{self, Workspace};
@@ -11,7 +12,9 @@ use crate::robot::spec::{Drive, Friction};
 use crate::test_arms::{lift, planar, random, robot};
 use limits::{JointLimits, Stretch};
 
+mod certified;
 mod oracle;
+mod refusals;
 
 /// Torque and speed limits of the robot itself.
 pub(crate) fn own_limits(robot: &Robot) -> Stretch {
@@ -88,7 +91,7 @@ fn worst_use(robot: &Robot, curve: &dyn Curve, limits: &Limits, law: &TimeLaw, d
 }
 
 /// The tool's part, by differences of its poses.
-pub(crate) fn tool_use(robot: &Robot, stretch: &Stretch, point: &CurvePoint, [sd, sdd]: [f64; 2]) -> f64 {
+fn tool_use(robot: &Robot, stretch: &Stretch, point: &CurvePoint, [sd, sdd]: [f64; 2]) -> f64 {
     let tcp = Isometry3::translation(0.05, 0.0, 0.1);
     let step = 1e-4;
     let at = |time: f64| {
@@ -172,97 +175,4 @@ fn without_gravity_limits_scale_with_time() {
     let first = timed(&arm, &curve, &limits(1.0), [0.0; 2], 150).unwrap().law.duration();
     let faster = timed(&arm, &curve, &limits(1.7), [0.0; 2], 150).unwrap().law.duration();
     assert!((first / faster - 1.7).abs() < 1e-9, "{first} {faster}");
-}
-
-/// Torque and speed along random paths, with friction and rotors that real arms have.
-#[test]
-fn no_limit_is_broken_between_samples() {
-    for (name, arm) in [("ur5e", with_drives(&ur5e())), ("puma", with_drives(&puma560()))] {
-        let own = own_limits(&arm);
-        let speeds: Vec<f64> = own.joints.iter().map(|joint| joint.velocity.unwrap()).collect();
-        let mut paths = 0;
-        for seed in 0..40 {
-            let curve = random_walk(6, 1 + seed as usize % 4, &speeds, 100 + seed);
-            let mut stretch = own.clone();
-            if seed % 2 == 0 {
-                stretch.tool_velocity = Some(1.5);
-                stretch.tool_acceleration = Some(8.0);
-                for joint in &mut stretch.joints {
-                    joint.acceleration = Some(15.0);
-                }
-            }
-            let limits = Limits::uniform(stretch);
-            match timed(&arm, &curve, &limits, [0.0; 2], 200) {
-                Ok(timing) => {
-                    let worst = worst_use(&arm, &curve, &limits, &timing.law, 4000, seed);
-                    assert!(worst <= 1.0 - 1e-6, "{name} {seed} {worst}");
-                    assert!(worst > 0.99, "{name} {seed} {worst}");
-                    paths += 1;
-                }
-                Err(obstacle) => {
-                    assert_eq!(obstacle.reason, PathInfeasibleReason::MovingTorque, "{obstacle:?}");
-                    assert!(obstacle.needed.abs() >= obstacle.available);
-                }
-            }
-        }
-        assert!(paths >= 30, "{name} {paths}");
-    }
-}
-
-/// The same arm with plausible rotors and friction: 4 % of the torque Coulomb, 3 % viscous at full speed.
-pub(crate) fn with_drives(arm: &Robot) -> Robot {
-    let mut spec = arm.spec().clone();
-    for joint in &mut spec.joints {
-        let (torque, speed) = (joint.drive.peak_torque.unwrap(), joint.limits.velocity.unwrap());
-        joint.drive = Drive {
-            peak_torque: Some(torque),
-            gear_ratio: 100.0,
-            rotor_inertia: 4e-7 * torque,
-            joint_friction: Friction {
-                viscous: 0.03 * torque / speed,
-                coulomb_positive: 0.04 * torque,
-                coulomb_negative: 0.05 * torque,
-            },
-            ..Drive::default()
-        };
-    }
-    robot(spec)
-}
-
-/// What certainty and 500 intervals cost, against 4000 intervals without reserve or certificate.
-#[test]
-fn a_certified_timing_is_within_a_percent_of_the_optimum() {
-    for arm in [with_drives(&ur5e()), with_drives(&puma560())] {
-        let own = own_limits(&arm);
-        let speeds: Vec<f64> = own.joints.iter().map(|joint| joint.velocity.unwrap()).collect();
-        let limits = Limits::uniform(own);
-        let tcp = Isometry3::identity();
-        for seed in 0..6 {
-            let curve = random_walk(6, 3, &speeds, 300 + seed);
-            let certified = timed(&arm, &curve, &limits, [0.0; 2], 500).unwrap().law.duration();
-            let fixed = fixed_nodes(&curve, &limits);
-            let grid = Grid::new(even(&fixed, 4000), &fixed, 2);
-            let budget = Budget::unlimited();
-            let coefficients = Coefficients::compute(&arm, &tcp, &curve, &limits, &grid.places, &budget).unwrap();
-            let rooms = Rooms {
-                reserve: 0.0,
-                ..Rooms::full(&coefficients)
-            };
-            let problem = Problem {
-                grid,
-                coefficients,
-                limits: &limits,
-                ends: [0.0; 2],
-            };
-            let mut reference = None;
-            let mut squares = Vec::new();
-            for _ in 0..4 {
-                squares = problem.solve(&rooms, reference, &budget).unwrap().unwrap();
-                reference = Some(problem.reference(&problem.grid.nodes, &squares));
-            }
-            let optimum = TimeLaw::linear(&problem.grid.nodes, &squares).unwrap().duration();
-            assert!(certified < 1.01 * optimum, "{certified} {optimum}");
-            assert!(certified > 0.999 * optimum, "{certified} {optimum}");
-        }
-    }
 }

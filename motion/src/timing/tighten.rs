@@ -12,7 +12,7 @@ use crate::tolerance::{CERTIFIED, CHECK_PARTS, SLOWDOWN_AIM, TIGHTEN_MOST, TIMIN
 /// What a timing takes of its limits.
 #[derive(Debug)]
 pub(super) struct Verdict {
-    /// The largest part of any limit.
+    /// The largest part of any limit, where it is above what is certified.
     pub(super) worst: f64,
     /// Every use above what is certified.
     pub(super) excesses: Vec<Use>,
@@ -50,10 +50,10 @@ pub(super) fn judge(certificate: &Certificate<'_>, squares: &[f64], budget: &Bud
     Ok(verdict)
 }
 
-/// Takes room from the limits that were broken, at the samples on both sides of where they were.
+/// Takes room from the limits that were broken, at the rows on both sides of where they were.
 pub(super) fn tighten(rooms: &mut Rooms, excesses: &[Use], problem: &Problem<'_>) {
     let aim = 1.0 - TIMING_RESERVE;
-    let parts = problem.grid.parts;
+    let (parts, every) = (problem.rows.parts, problem.grid.parts / problem.rows.parts);
     let stride = problem.coefficients.stride;
     // of several uses at the same place the worst counts, not their product
     let before = rooms.clone();
@@ -66,7 +66,7 @@ pub(super) fn tighten(rooms: &mut Rooms, excesses: &[Use], problem: &Problem<'_>
         let factor = factor.max(TIGHTEN_MOST);
         let first = problem.grid.first[at.interval];
         let (low, high) = (at.part * parts / CHECK_PARTS, (at.part * parts).div_ceil(CHECK_PARTS));
-        for sample in first + low..=first + high {
+        for sample in (low..=high).map(|row| first + row * every) {
             let entry = at.joint.unwrap_or(0) * stride + sample;
             let (room, known) = match at.kind {
                 PathLimit::Torque => (&mut rooms.torque[entry], before.torque[entry]),

@@ -213,3 +213,81 @@ pub(super) fn beside(h: &Vector3<f64>) -> Vector3<f64> {
     let beside = h.cross(&other);
     beside / beside.norm()
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use nalgebra::{Rotation3, Unit, Vector3};
+
+    use super::{Conic, Linear, beside, turning};
+    use crate::test_arms::random;
+
+    fn vector(state: &mut u64) -> Vector3<f64> {
+        Vector3::from_fn(|_, _| random(state))
+    }
+
+    /// How often the sign changes round the circle.
+    fn sign_changes(f: impl Fn(f64, f64) -> f64) -> usize {
+        let values: Vec<bool> = (0..=20_000)
+            .map(|step| {
+                let (s, c) = libm::sincos(TAU * f64::from(step) / 20_000.0);
+                f(c, s) > 0.0
+            })
+            .collect();
+        values.windows(2).filter(|pair| pair[0] != pair[1]).count()
+    }
+
+    #[test]
+    fn conics_are_zero_where_they_change_sign() {
+        let state = &mut 1;
+        for _ in 0..200 {
+            let mut conic = Conic {
+                k: random(state),
+                ..Conic::default()
+            };
+            conic.add_square(Linear(random(state), random(state), random(state)), 1.0);
+            conic.add_square(Linear(random(state), random(state), random(state)), -1.0);
+            conic.add(Linear(random(state), random(state), random(state)), 0.5);
+            let zeros = conic.zeros();
+            for &(c, s) in zeros.as_slice() {
+                assert!((c * c + s * s - 1.0).abs() < 1e-14);
+                assert!(conic.at((c, s)).abs() < 1e-12, "{conic:?}");
+            }
+            assert_eq!(
+                zeros.as_slice().len(),
+                sign_changes(|c, s| conic.at((c, s))),
+                "{conic:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn lines_cut_the_circle_or_touch_it() {
+        let line = Linear(-0.5, 0.6, 0.8);
+        for &(c, s) in line.zeros().as_slice() {
+            assert!((0.6 * c + 0.8 * s - 0.5).abs() < 1e-15 && (c * c + s * s - 1.0).abs() < 1e-15);
+        }
+        assert_eq!(line.zeros().as_slice().len(), 2);
+        assert_eq!(Linear(1.0 + 1e-9, 0.6, 0.8).zeros().as_slice(), [(-0.6, -0.8)]);
+        assert_eq!(Linear(1.1, 0.6, 0.8).zeros().as_slice(), []);
+    }
+
+    #[test]
+    fn turns_are_nalgebras() {
+        let state = &mut 2;
+        for _ in 0..500 {
+            let (h, x, w) = (vector(state).normalize(), vector(state), vector(state));
+            let angle = 3.0 * random(state);
+            let turned = Rotation3::from_axis_angle(&Unit::new_unchecked(h), angle) * x;
+            let (s, c) = libm::sincos(angle);
+            assert!((Linear::along_turned(&w, &h, &x).at((c, s)) - w.dot(&turned)).abs() < 1e-14);
+            let found = turning(&h, &x, &turned, 1.0, 0.0);
+            assert!((found.direction.0 - c).abs() < 1e-12 && (found.direction.1 - s).abs() < 1e-12);
+            assert!(beside(&h).dot(&h).abs() < 1e-15 && (beside(&h).norm() - 1.0).abs() < 1e-15);
+        }
+        let (h, reference) = (Vector3::z(), 0.7);
+        let found = turning(&h, &(h * 2.0), &Vector3::x(), 1.0, reference);
+        assert!(found.is_free && found.direction == (libm::cos(reference), libm::sin(reference)));
+    }
+}

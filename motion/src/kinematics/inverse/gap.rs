@@ -66,3 +66,25 @@ fn rotation_vector(r: &Matrix3<f64>) -> Vector3<f64> {
     let sign = if axis.dot(&skew) < 0.0 { -1.0 } else { 1.0 };
     axis * (sign * libm::atan2(sine, cosine))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use nalgebra::{Rotation3, Vector3};
+
+    use super::rotation_vector;
+    use crate::test_arms::random;
+
+    #[test]
+    fn the_rotation_vector_is_what_made_the_rotation() {
+        let state = &mut 1;
+        for angle in [0.0, 1e-12, 1e-6, 0.1, 1.5, PI / 2.0, 1.7, 3.0, PI - 1e-4, PI - 1e-8] {
+            for _ in 0..50 {
+                let vector = Vector3::from_fn(|_, _| random(state)).normalize() * angle;
+                let found = rotation_vector(Rotation3::from_scaled_axis(vector).matrix());
+                assert!((found - vector).norm() < 1e-14 + 3e-15 * angle, "{found} {vector}");
+            }
+        }
+    }
+}

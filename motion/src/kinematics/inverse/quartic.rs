@@ -109,3 +109,73 @@ fn inverse(a: Complex) -> Complex {
 fn magnitude(a: Complex) -> f64 {
     libm::sqrt(a.re * a.re + a.im * a.im)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::nearly_real_roots;
+    use crate::test_arms::{random, values};
+
+    /// (t − a)(t − b)(t − c)(t − d), times a factor.
+    fn expanded([a, b, c, d]: [f64; 4], factor: f64) -> [f64; 5] {
+        [
+            a * b * c * d,
+            -(a * b * c + a * b * d + a * c * d + b * c * d),
+            a * b + a * c + a * d + b * c + b * d + c * d,
+            -(a + b + c + d),
+            1.0,
+        ]
+        .map(|coefficient| coefficient * factor)
+    }
+
+    fn sorted(p: &[f64; 5]) -> Vec<f64> {
+        let mut roots: Vec<f64> = nearly_real_roots(p).into_iter().flatten().collect();
+        roots.sort_by(f64::total_cmp);
+        roots
+    }
+
+    fn check(mut expected: [f64; 4], tolerance: f64, state: &mut u64) {
+        let found = sorted(&expanded(expected, 3.0 * random(state)));
+        expected.sort_by(f64::total_cmp);
+        assert_eq!(found.len(), 4, "{expected:?} {found:?}");
+        let is_close = |(a, b): (&f64, &f64)| (a - b).abs() < tolerance;
+        assert!(found.iter().zip(&expected).all(is_close), "{expected:?} {found:?}");
+    }
+
+    #[test]
+    fn four_real_roots_are_found() {
+        let state = &mut 1;
+        for _ in 0..2000 {
+            let mut roots = [0.0; 4];
+            // apart by 0.1 at least: the error of a root grows as they come together
+            for (root, step) in roots.iter_mut().zip(0..) {
+                *root = 0.4 * (f64::from(step) - 1.5) + 0.15 * random(state);
+            }
+            check(roots, 1e-12, state);
+        }
+    }
+
+    #[test]
+    fn double_roots_are_found_twice() {
+        let state = &mut 2;
+        for _ in 0..500 {
+            let &[a, b, c] = &values(3, 1.0, state)[..] else {
+                panic!("three values");
+            };
+            if (a - b).abs().min((a - c).abs()) > 0.2 && (b - c).abs() > 0.2 {
+                check([a, a, b, c], 1e-6, state);
+                check([a, a, b, b], 1e-6, state);
+            }
+        }
+        check([0.5; 4], 1e-3, state);
+        check([0.0; 4], 1e-3, state);
+    }
+
+    #[test]
+    fn complex_roots_are_left_out() {
+        // (t² + 1)(t − 2)(t + 3), (t² + 1)(t² + 4)
+        assert_eq!(sorted(&[-6.0, 1.0, -5.0, 1.0, 1.0]).len(), 2);
+        assert_eq!(sorted(&[4.0, 0.0, 5.0, 0.0, 1.0]).len(), 0);
+        assert_eq!(sorted(&[1.0, 2.0, 3.0, 4.0, 0.0]).len(), 0);
+        assert_eq!(sorted(&[f64::NAN, 2.0, 3.0, 4.0, 1.0]).len(), 0);
+    }
+}

@@ -175,3 +175,37 @@ pub(super) fn turn_by(h: &Vector3<f64>, c: f64, s: f64) -> Matrix3<f64> {
         c + v.z * h.z,
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Frames, Screws};
+    use crate::kinematics::{jacobian, pose};
+    use crate::test_arms::{random_arm, robot, values};
+
+    #[test]
+    fn tool_and_jacobian_are_the_forward_kinematics() {
+        let state = &mut 1;
+        for seed in 0..40 {
+            let arm = robot(random_arm(1 + seed % 12, seed as u64));
+            let count = arm.joint_count();
+            let tcp = arm.spec().link_from_tip;
+            let q = values(count, 3.0, state);
+            let screws = Screws::new(&arm, &tcp);
+            let mut frames = Frames::new();
+            screws.frames(&q, &mut frames);
+            let expected = pose(&arm, &q, &tcp);
+            let rotation = expected.rotation.to_rotation_matrix();
+            assert!((frames.tool.point - expected.translation.vector).norm() < 1e-13);
+            assert!((frames.tool.rotation - rotation.matrix()).norm() < 1e-13);
+            let mut matrix = vec![0.0; 6 * count];
+            jacobian(&arm, &q, &tcp, &mut matrix);
+            for j in 0..count {
+                let (linear, angular) = screws.column(&frames, j);
+                for row in 0..3 {
+                    assert!((linear[row] - matrix[row * count + j]).abs() < 1e-13);
+                    assert!((angular[row] - matrix[(row + 3) * count + j]).abs() < 1e-13);
+                }
+            }
+        }
+    }
+}

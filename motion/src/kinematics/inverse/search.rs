@@ -11,7 +11,7 @@ use super::ranges::{self, Range};
 use super::screws::{Place, Screws};
 use super::six::ClosedForm;
 use crate::robot::JOINTS_MAX;
-use crate::tolerance::{IK_POLISHED, IK_STARTS, IK_WORK};
+use crate::tolerance::{IK_PATIENCE, IK_POLISHED, IK_STARTS, IK_WORK};
 
 /// The first 32 primes, one a joint.
 const PRIMES: [f64; JOINTS_MAX] = [
@@ -70,10 +70,10 @@ pub(super) fn from_candidates(
             return;
         }
         if is_free {
-            ranges::unwind(ranges, &mut q, reference);
-            newton.attract(&mut q, reference);
+            settle(newton, ranges, &mut q, reference);
+        } else {
+            ranges::fit(ranges, &mut q, reference);
         }
-        ranges::fit(ranges, &mut q, reference);
         if !is_known(ranges, &solutions, &q) {
             solutions.push(q);
         }
@@ -88,7 +88,8 @@ pub(super) fn from_candidates(
     solutions
 }
 
-/// The solutions that the starts lead to, until `patience` of them in a row brought nothing new.
+/// The solutions that the starts lead to, until `patience` of them in a row brought nothing new; more of them where none
+/// is within the ranges yet.
 pub(super) fn everywhere(
     screws: &Screws,
     target: Place,
@@ -99,8 +100,9 @@ pub(super) fn everywhere(
     let mut newton = Newton::new(screws, target);
     let mut solutions: Vec<Vec<f64>> = Vec::new();
     let mut closest: Option<(Vec<f64>, Gap)> = None;
-    let (mut work, mut fruitless) = (0, 0);
+    let (mut work, mut fruitless, mut is_any_within) = (0, 0, false);
     for start in 0..IK_STARTS {
+        let patience = if is_any_within { patience } else { IK_PATIENCE };
         if fruitless > patience || work * screws.count() > IK_WORK {
             break;
         }
@@ -119,6 +121,7 @@ pub(super) fn everywhere(
         work += settle(&mut newton, ranges, &mut q, reference);
         if !is_known(ranges, &solutions, &q) {
             fruitless = 0;
+            is_any_within |= ranges::worst(ranges, &q).is_none();
             solutions.push(q);
         }
     }
@@ -146,13 +149,21 @@ fn place(k: usize, screws: &Screws, ranges: &[Range], reference: &[f64]) -> Vec<
         .collect()
 }
 
-/// Moves a solution nearest to the reference, as far as the pose leaves it free, and into the ranges. Returns the work
-/// done.
+/// Moves a solution nearest to the reference, as far as the pose leaves it free, and into the ranges; where that leads out
+/// of them, and it was within, it stays where it was. Returns the work done.
 fn settle(newton: &mut Newton<'_>, ranges: &[Range], q: &mut Vec<f64>, reference: &[f64]) -> usize {
     ranges::unwind(ranges, q, reference);
-    let work = newton.attract(q, reference).work;
+    let mut before = q.clone();
+    let mut work = newton.attract(q, reference).work;
     ranges::fit(ranges, q, reference);
-    work + keep_within(newton, ranges, q, reference)
+    work += keep_within(newton, ranges, q, reference);
+    if ranges::worst(ranges, q).is_some() {
+        ranges::fit(ranges, &mut before, reference);
+        if ranges::worst(ranges, &before).is_none() {
+            *q = before;
+        }
+    }
+    work
 }
 
 /// Joints that would leave their ranges, and need not, are held at the end of them, one after the other, while the others

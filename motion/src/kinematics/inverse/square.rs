@@ -173,6 +173,28 @@ mod tests {
     use crate::test_arms::random;
 
     #[test]
+    fn equations_are_solved() {
+        let state = &mut 2;
+        for round in 0..500 {
+            let mut columns = vec![[0.0; TASK]; 1 + round % 9];
+            columns.iter_mut().flatten().for_each(|entry| *entry = random(state));
+            let expected: [f64; TASK] = std::array::from_fn(|_| random(state));
+            // (J·Jᵀ + 0.1)·x
+            let along: Vec<f64> = columns.iter().map(|column| dot(column, &expected)).collect();
+            let mut x: [f64; TASK] = std::array::from_fn(|row| {
+                let rows = columns.iter().zip(&along);
+                0.1 * expected[row] + rows.map(|(column, along)| column[row] * along).sum::<f64>()
+            });
+            Square::of_rows(&columns, 0.1).solve(&mut x);
+            assert!(x.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-12));
+        }
+    }
+
+    fn dot(a: &[f64; TASK], b: &[f64; TASK]) -> f64 {
+        a.iter().zip(b).map(|(a, b)| a * b).sum()
+    }
+
+    #[test]
     fn the_smallest_eigenvalue_is_nalgebras() {
         let state = &mut 1;
         for round in 0..2000 {

@@ -59,6 +59,8 @@ pub(super) fn request(start: &[f64], segments: Vec<Segment>) -> PathRequest {
         timing: Timing::Optimal,
         on_excess: OnExcess::SlowDown,
         transition: Transition::Smooth,
+        transition_time: None,
+        tolerance: None,
         start_speed: None,
         end_speed: None,
         sampling: Sampling::None,

@@ -159,6 +159,51 @@ fn the_ends_are_the_taught_points_and_lie_at_rest() {
     }
 }
 
+/// A chain taught backwards is the same motion backwards.
+#[test]
+fn backwards_is_the_same_way_back() {
+    let draw = &mut 6;
+    for count in 1..8 {
+        let there = random_chain(count, draw);
+        let back: Vec<ProcessSegment> = there
+            .iter()
+            .rev()
+            .map(|taught| {
+                let segment = Segment::new(taught).unwrap();
+                let end = segment.frame(segment.length).position;
+                match *taught {
+                    ProcessSegment::Line { from, .. } => ProcessSegment::Line { from: end, to: from },
+                    ProcessSegment::Arc {
+                        center, normal, angle, ..
+                    } => ProcessSegment::Arc {
+                        center,
+                        normal,
+                        start: end,
+                        angle: -angle,
+                    },
+                }
+            })
+            .collect();
+        for form in [Transition::Smooth, Transition::Source] {
+            let ask = |segments| ProcessRequest {
+                form,
+                tolerance: Some(2e-3),
+                ..asked(segments, 0.4, 0.08)
+            };
+            let ((forwards, report), (backwards, same)) = (run(&ask(&there)), run(&ask(&back)));
+            let duration = forwards.duration();
+            assert!((backwards.duration() - duration).abs() < 1e-9);
+            assert!((report.lowest - same.lowest).abs() < 1e-9);
+            for step in 0..=500 {
+                let time = duration * f64::from(step) / 500.0;
+                let [position, ..] = state(&forwards, time, Side::After);
+                let [other, ..] = state(&backwards, duration - time, Side::After);
+                assert!((position - other).norm() < 1e-8, "{count} {step}");
+            }
+        }
+    }
+}
+
 /// A full circle, an arc of 300°, and more than one turn: the tool stays on the circle and makes all of its way.
 #[test]
 fn full_circles_and_more() {

@@ -5,7 +5,8 @@ use crate::dynamics::{self, Workspace};
 use crate::test_arms::{random_arm, robot, values};
 use crate::timing::grid::{Grid, even, fixed_nodes};
 use crate::timing::limits::{JointLimits, Limits, Stretch};
-use crate::timing::test_curves::{Polynomials, random_walk};
+use crate::timing::measured::Polynomials;
+use crate::timing::test_curves::random_walk;
 
 fn limits(count: usize, velocity: f64) -> Limits {
     let joint = JointLimits {

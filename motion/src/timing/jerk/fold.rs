@@ -11,17 +11,8 @@ use crate::scalar::LANES_MAX;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sample {
     pub(crate) form: Form,
-    /// Its place among the rows.
-    pub(crate) slot: usize,
     /// Its weight in ∫ ds/√a.
     pub(crate) weight: f64,
-}
-
-impl Sample {
-    #[inline(always)]
-    fn block(&self) -> (usize, usize) {
-        (self.slot / LANES_MAX, self.slot % LANES_MAX)
-    }
 }
 
 /// (a, b, c) of every sample.
@@ -36,8 +27,8 @@ impl WithSimd for Evaluate<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) {
-        for sample in self.samples {
-            let (block, lane) = sample.block();
+        for (k, sample) in self.samples.iter().enumerate() {
+            let (block, lane) = (k / LANES_MAX, k % LANES_MAX);
             let values = sample.form.apply(self.x);
             let point = &mut self.points[block];
             point[0][lane] = values[0];
@@ -65,8 +56,8 @@ impl WithSimd for Fold<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) -> f64 {
         let mut duration = 0.0;
-        for sample in self.samples {
-            let (block, lane) = sample.block();
+        for (k, sample) in self.samples.iter().enumerate() {
+            let (block, lane) = (k / LANES_MAX, k % LANES_MAX);
             let inverse = 1.0 / self.points[block][0][lane];
             let part = sample.weight * inverse.sqrt();
             duration += part;
@@ -117,8 +108,8 @@ impl WithSimd for Recenter<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) {
-        for sample in self.samples {
-            let (block, lane) = sample.block();
+        for (k, sample) in self.samples.iter().enumerate() {
+            let (block, lane) = (k / LANES_MAX, k % LANES_MAX);
             let second = &self.seconds[block];
             let mut g = [0.0; 3];
             for k in 0..3 {

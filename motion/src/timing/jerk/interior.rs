@@ -155,8 +155,8 @@ impl Solver {
             points: &mut self.points,
         });
         let mut duration = 0.0;
-        for sample in &problem.samples {
-            let (block, lane) = (sample.slot / LANES_MAX, sample.slot % LANES_MAX);
+        for (k, sample) in problem.samples.iter().enumerate() {
+            let (block, lane) = (k / LANES_MAX, k % LANES_MAX);
             let speed = self.points[block][0][lane].sqrt();
             // also where a is negative or not a number
             if speed.is_nan() || speed <= 0.0 {

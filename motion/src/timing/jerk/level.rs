@@ -1,7 +1,7 @@
 //! One grid: its spline, its samples and their rows.
 //!
-//! Samples are the inner nodes (on a knot of the path or a border of the limits, one on each side) with every row, and
-//! the middles of the inner intervals (near rest, their quarters) with jerk rows alone. What bounds the first and last interval, where the law of
+//! Samples are the inner nodes (on a knot of the path or a border of the limits, one on each side) and the middles of the
+//! inner intervals: at nodes alone, c could zigzag around limits of acceleration and torque in between. What bounds the first and last interval, where the law of
 //! constant jerk holds, is linear in powers of its one number a₁: eight samples of each bound a₁ from above.
 
 use super::basis::Basis;
@@ -29,14 +29,10 @@ pub(crate) struct Level {
     basis: Basis,
     pub(crate) problem: Problem,
     /// Interval and part of it of each sample of the problem.
-    pub(crate) parts: Vec<(usize, f64)>,
+    parts: Vec<(usize, f64)>,
     /// The sample of each inner node (of those with two, the one before it).
     node_samples: Vec<usize>,
 }
-
-/// Intervals next to each of the two end intervals that have more jerk rows. There nodes at equal times are at distances from rest
-/// in the ratio 1 : 8 : 27, however fine the grid is, and a cubic follows s^(4/3) the less well.
-const NEAR_REST: usize = 3;
 
 /// Which joints have rows of each kind anywhere on the path.
 struct Kinds {
@@ -78,8 +74,8 @@ impl Kinds {
         }
     }
 
-    /// Writes the rows of a place into a slot, all kinds or jerk alone.
-    fn fill(&self, limits: &Limits, at: &Coefficients, place: usize, rows: &mut Rows, slot: usize, full: bool) {
+    /// Writes the rows of a place as those of a sample.
+    fn fill(&self, limits: &Limits, at: &Coefficients, place: usize, rows: &mut Rows, sample: usize) {
         let stretch = &limits.stretches[at.stretch[place]];
         let entry = |joint: usize| joint * at.stride + place;
         for (row, joint) in self.jerk.iter().enumerate() {
@@ -88,17 +84,14 @@ impl Kinds {
             };
             let [q1, q2, q3] =
                 [&at.terms.first, &at.terms.second, &at.third].map(|column| column[entry(*joint)] / limit);
-            rows.jerk.set(slot, row, [q1, 3.0 * q2, q3]);
-        }
-        if !full {
-            return;
+            rows.jerk.set(sample, row, [q1, 3.0 * q2, q3]);
         }
         for (row, joint) in self.acceleration.iter().enumerate() {
             let Some(limit) = stretch.joints[*joint].acceleration else {
                 continue;
             };
             let values = [&at.terms.first, &at.terms.second].map(|column| column[entry(*joint)] / limit);
-            rows.acceleration.set(slot, row, values);
+            rows.acceleration.set(sample, row, values);
         }
         for (row, joint) in self.torque.iter().enumerate() {
             let Some(limit) = stretch.joints[*joint].torque else {
@@ -109,14 +102,14 @@ impl Kinds {
             let gravity = at.terms.gravity[k];
             let up = 1.0 - (gravity + at.coulomb_high[k]) / limit;
             let down = 1.0 + (gravity + at.coulomb_low[k]) / limit;
-            rows.torque.set(slot, row, [m, v, f, up, down]);
+            rows.torque.set(sample, row, [m, v, f, up, down]);
         }
         if let Some(limit) = stretch.tool_acceleration {
             let (p1, p2) = (at.tool_first(place), at.tool_second(place));
             let dot = |x: [f64; 3], y: [f64; 3]| (x[0] * y[0] + x[1] * y[1] + x[2] * y[2]) / (limit * limit);
-            rows.tool.set(slot, 0, [dot(p1, p1), dot(p1, p2), dot(p2, p2)]);
+            rows.tool.set(sample, 0, [dot(p1, p1), dot(p1, p2), dot(p2, p2)]);
         }
-        rows.speed.set(slot, 0, [1.0 / at.speed_bound[place]]);
+        rows.speed.set(sample, 0, [1.0 / at.speed_bound[place]]);
     }
 }
 
@@ -151,15 +144,8 @@ impl Level {
                 places.push(after(low));
                 parts.push((interval, 0.0));
             }
-            let inner: &[f64] = if interval.min(last - 1 - interval) <= NEAR_REST {
-                &[0.25, 0.5, 0.75]
-            } else {
-                &[0.5]
-            };
-            for part in inner {
-                places.push(before(low + part * (high - low)));
-                parts.push((interval, *part));
-            }
+            places.push(before(0.5 * (low + high)));
+            parts.push((interval, 0.5));
             node_samples.push(parts.len());
             places.push(before(high));
             parts.push((interval, 1.0));
@@ -172,34 +158,30 @@ impl Level {
             return Ok(Err(obstacle));
         }
         let kinds = Kinds::of(task.limits, at.joint_count);
-        let is_inner = |part: f64| part > 0.0 && part < 1.0;
-        let middles = parts.iter().filter(|(_, part)| is_inner(*part)).count();
-        let full = (parts.len() - middles).div_ceil(LANES_MAX);
-        let mut rows = Rows::new(full, full + middles.div_ceil(LANES_MAX), kinds.counts());
-        let mut slots = [0, full * LANES_MAX];
+        let mut rows = Rows::new(parts.len().div_ceil(LANES_MAX), kinds.counts());
         let mut samples = Vec::with_capacity(parts.len());
-        for (k, (interval, part)) in parts.iter().enumerate() {
-            let place = END_SAMPLES + k;
-            let is_middle = is_inner(*part);
-            let slot = slots[usize::from(is_middle)];
-            slots[usize::from(is_middle)] += 1;
-            kinds.fill(task.limits, &at, place, &mut rows, slot, !is_middle);
+        for (sample, (interval, _)) in parts.iter().enumerate() {
+            let place = END_SAMPLES + sample;
+            kinds.fill(task.limits, &at, place, &mut rows, sample);
             let s = places[place].s;
-            let before = if k == 0 { s } else { places[place - 1].s };
-            let after = if k + 1 == parts.len() { s } else { places[place + 1].s };
+            let before = if sample == 0 { s } else { places[place - 1].s };
+            let after = if sample + 1 == parts.len() {
+                s
+            } else {
+                places[place + 1].s
+            };
             samples.push(Sample {
                 form: basis.form(*interval, s),
-                slot,
                 weight: 0.5 * (after - before),
             });
         }
         let ends = [(0, 0, 1.0), (parts.len() - 1, END_SAMPLES + parts.len(), -1.0)];
         for (sample, first, direction) in ends {
             let h = if direction > 0.0 { nodes[1] - nodes[0] } else { end };
-            let mut ends = Rows::new(1, 1, kinds.counts());
+            let mut ends = Rows::new(1, kinds.counts());
             let mut most = f64::INFINITY;
             for k in 0..END_SAMPLES {
-                kinds.fill(task.limits, &at, first + k, &mut ends, k, true);
+                kinds.fill(task.limits, &at, first + k, &mut ends, k);
                 let x = if direction > 0.0 {
                     part(k + 1)
                 } else {
@@ -209,9 +191,8 @@ impl Level {
                 most = ends.uniform_speed(k, [sd * sd, sdd, sddd / sd], 1.0, most);
             }
             samples[sample].weight += 3.0 * h;
-            let slot = samples[sample].slot;
-            let [bound] = rows.speed.get(slot, 0);
-            rows.speed.set(slot, 0, [bound.max(1.0 / (most * most))]);
+            let [bound] = rows.speed.get(sample, 0);
+            rows.speed.set(sample, 0, [bound.max(1.0 / (most * most))]);
         }
         let problem = Problem {
             unknown_count: basis.unknown_count(),
@@ -240,11 +221,8 @@ impl Level {
     /// Runs the motion evenly faster, up to `most` times, or slower, so that it uses the part `target` of a limit at the samples.
     pub(crate) fn run_at(&self, x: &mut [f64], target: f64, most: f64) {
         let mut speed = most;
-        for sample in &self.problem.samples {
-            speed = self
-                .problem
-                .rows
-                .uniform_speed(sample.slot, sample.form.apply(x), target, speed);
+        for (k, sample) in self.problem.samples.iter().enumerate() {
+            speed = self.problem.rows.uniform_speed(k, sample.form.apply(x), target, speed);
         }
         for x in x {
             *x *= speed * speed;
@@ -253,10 +231,10 @@ impl Level {
 
     /// Lowers the limits at samples around which they are exceeded.
     pub(crate) fn tighten(&mut self, certificate: &Certificate<'_>) {
-        for (sample, (interval, part)) in self.problem.samples.iter().zip(&self.parts) {
+        for (sample, (interval, part)) in self.parts.iter().enumerate() {
             let by = certificate.tightening(*interval, *part);
             if by != Tightening::NONE {
-                self.problem.rows.tighten(sample.slot, &by);
+                self.problem.rows.tighten(sample, &by);
             }
         }
     }

@@ -26,12 +26,10 @@ pub(crate) struct Group<const C: usize> {
     pub(crate) rows: Vec<[Block; C]>,
 }
 
-/// Every row of a grid. The first `full` blocks of samples have all kinds, the others jerk rows alone. What is not set
-/// is a row that never binds.
+/// Every row of a grid. What is not set is a row that never binds.
 #[derive(Debug, Clone)]
 pub(crate) struct Rows {
     pub(crate) blocks: usize,
-    pub(crate) full: usize,
     /// q′/J, 3q″/J, q‴/J.
     pub(crate) jerk: Group<3>,
     /// q′/A, q″/A.
@@ -101,15 +99,14 @@ impl<const C: usize> Group<C> {
 }
 
 impl Rows {
-    pub(crate) fn new(full: usize, blocks: usize, counts: Counts) -> Self {
+    pub(crate) fn new(blocks: usize, counts: Counts) -> Self {
         Self {
             blocks,
-            full,
             jerk: Group::new(counts.jerk, blocks, [0.0; 3]),
-            acceleration: Group::new(counts.acceleration, full, [0.0; 2]),
-            torque: Group::new(counts.torque, full, [0.0, 0.0, 0.0, 1.0, 1.0]),
-            tool: Group::new(usize::from(counts.tool), full, [0.0; 3]),
-            speed: Group::new(1, full, [0.0]),
+            acceleration: Group::new(counts.acceleration, blocks, [0.0; 2]),
+            torque: Group::new(counts.torque, blocks, [0.0, 0.0, 0.0, 1.0, 1.0]),
+            tool: Group::new(usize::from(counts.tool), blocks, [0.0; 3]),
+            speed: Group::new(1, blocks, [0.0]),
         }
     }
 
@@ -125,16 +122,9 @@ impl Rows {
             + self.speed.rows.len()
     }
 
-    fn is_full(&self, sample: usize) -> bool {
-        sample < self.full * LANES_MAX
-    }
-
     /// Multiplies the limits at one sample. Torque keeps a part of what friction and gravity leave.
     pub(crate) fn tighten(&mut self, sample: usize, by: &Tightening) {
         self.jerk.multiply(sample, 1.0 / by.jerk);
-        if !self.is_full(sample) {
-            return;
-        }
         self.acceleration.multiply(sample, 1.0 / by.acceleration);
         self.tool.multiply(sample, 1.0 / (by.acceleration * by.acceleration));
         self.speed.multiply(sample, 1.0 / by.speed);
@@ -156,9 +146,6 @@ impl Rows {
             cubed = cubed.max((q1 * c + q2 * b + q3 * a).abs() * root);
         }
         let mut speed = most.min(libm::cbrt(target / cubed));
-        if !self.is_full(sample) {
-            return speed;
-        }
         let [a_max] = self.speed.get(sample, 0);
         let mut squared = a * a_max;
         for row in 0..self.acceleration.count {
@@ -225,7 +212,7 @@ mod tests {
             tool: true,
         };
         for _ in 0..100 {
-            let mut rows = Rows::new(1, 1, counts);
+            let mut rows = Rows::new(1, counts);
             for row in 0..3 {
                 rows.jerk.set(2, row, [(); 3].map(|()| random(state)));
                 rows.acceleration.set(2, row, [(); 2].map(|()| random(state)));

@@ -4,7 +4,7 @@
 //! UR5e of the test vectors without rotors and friction, polynomial paths over s in [0, 1] with 200 even intervals, its own
 //! limits of speed and torque, or of speed and 12 rad/s² of every joint.
 
-use super::super::rows::Rows;
+use super::super::rows::{RowPlaces, Rows};
 use super::*;
 
 const FIRST: [[f64; 5]; 6] = [
@@ -56,7 +56,8 @@ fn plain(curve: &Polynomials, limits: &Limits, parts: usize, ends: [f64; 2]) -> 
         reserve: 0.0,
         ..Rooms::full(&coefficients)
     };
-    let rows = Rows::new(&coefficients, limits, &rooms, &coefficients.speed_bound);
+    let places = RowPlaces::new(&grid, parts);
+    let rows = Rows::new(&coefficients, limits, &rooms, &places, None);
     let squares = reach::fastest(&grid, &rows, ends, &budget).unwrap().unwrap();
     let duration = TimeLaw::linear(&grid.nodes, &squares).unwrap().duration();
     (squares, duration)
@@ -117,4 +118,13 @@ fn the_cone_program_has_the_same_optimum() {
         let (_, found) = plain(&curve(joints), &velocity_and_torque(), 2, [0.0; 2]);
         assert!((found / duration - 1.0).abs() < 1e-4, "{found} {duration}");
     }
+}
+
+/// The benchmark measures the same problem.
+#[test]
+fn the_benchmark_times_what_toppra_times() {
+    let found = measured::interpolated(&ur5e(), &curve(&FIRST), 200).unwrap();
+    assert!((found - 0.471_683_250).abs() < 1e-6, "{found}");
+    let certified = measured::certified(&ur5e(), &curve(&FIRST), 200).unwrap();
+    assert!(certified > found && certified < 1.01 * found, "{certified} {found}");
 }

@@ -152,6 +152,27 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     libm::sqrt(a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum())
 }
 
+/// Whatever the reference: what has been within the ranges is found within them.
+#[test]
+fn a_pose_taken_within_the_ranges_is_reached_within_them() {
+    let state = &mut 8;
+    for (arm, count) in [
+        (arms::ur5e(), 500),
+        (arms::puma(), 500),
+        (arms::scara(), 200),
+        (arms::fr3(), 100),
+    ] {
+        let inverse = Inverse::new(&arm, &tool());
+        for _ in 0..count {
+            let made = draw(&arm, state);
+            let target = pose(&arm, &made, &tool());
+            let q = inverse.nearest(&target, &draw(&arm, state)).unwrap();
+            check_reaches(&arm, &q, &tool(), &target, 1e-10);
+            assert!(inverse.is_in_range(&q));
+        }
+    }
+}
+
 /// At the nearest solution the way back to the reference has no part that the tool would not notice: it is in the row
 /// space of the Jacobian.
 #[test]

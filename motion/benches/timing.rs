@@ -1,0 +1,120 @@
+//! What the timing of a path takes, µs: median and fastest of many, one line each.
+//!
+//! ```text
+//! cargo bench --package takt-motion --bench timing
+//! ```
+//!
+//! Paths are polynomials of degree 5 of every joint, limits the arm's own of speed and torque. `interpolated` is what
+//! toppra does with constraints at both ends of each interval: constraints, passes and duration, nothing looked at in
+//! between. `certified` is what a plan has: a coarse grid, a graded one, and the certificate.
+
+#![allow(clippy::print_stdout, reason = "a program that prints a table")]
+
+use std::hint::black_box;
+use std::path::Path;
+use std::time::Instant;
+
+use serde_json::Value;
+use takt_motion::measured::{Polynomials, certified, interpolated};
+use takt_motion::robot::Robot;
+use takt_motion::robot::description::{Description, Kinematics};
+
+const PATHS: usize = 20;
+
+/// Times that each path is timed; the fastest counts.
+const REPEATS: usize = 12;
+
+fn main() {
+    for arm in ["ur5e", "fr3"] {
+        let robot = read(arm);
+        let paths = paths(&robot);
+        for intervals in [100, 500, 1000] {
+            measure(&format!("{arm}/interpolated_{intervals}"), &paths, |path| {
+                interpolated(&robot, path, intervals)
+            });
+            measure(&format!("{arm}/certified_{intervals}"), &paths, |path| {
+                certified(&robot, path, intervals)
+            });
+        }
+    }
+}
+
+/// Paths around the middle of the joints' ranges that can be timed.
+fn paths(robot: &Robot) -> Vec<Polynomials> {
+    let mut draw = Draw(3);
+    let middle = |joint: usize| {
+        let limits = &robot.spec().joints[joint].limits;
+        let lower = limits.position_lower.unwrap_or(-1.0).max(-3.0);
+        let upper = limits.position_upper.unwrap_or(1.0).min(3.0);
+        0.5 * (lower + upper)
+    };
+    let mut path = || {
+        let joint = |joint| {
+            let mut coefficients = vec![middle(joint) + draw.between(-0.5, 0.5)];
+            coefficients.extend((0..5).map(|_| draw.between(-2.0, 2.0)));
+            coefficients
+        };
+        Polynomials::new((0..robot.joint_count()).map(joint).collect(), 1.0)
+    };
+    let timed = |path: &Polynomials| certified(robot, path, 100).is_some();
+    std::iter::repeat_with(&mut path).filter(timed).take(PATHS).collect()
+}
+
+fn measure(name: &str, paths: &[Polynomials], work: impl Fn(&Polynomials) -> Option<f64>) {
+    let times = paths
+        .iter()
+        .map(|path| {
+            let once = || {
+                let began = Instant::now();
+                black_box(work(black_box(path)));
+                began.elapsed().as_nanos() as f64 / 1e3
+            };
+            (0..REPEATS).map(|_| once()).fold(f64::INFINITY, f64::min)
+        })
+        .collect();
+    print(name, times);
+}
+
+/// An arm of `tests/vectors/robots`, all of its torque and speed limits from its URDF.
+fn read(arm: &str) -> Robot {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../tests/vectors/robots")
+        .join(arm);
+    let text = |file: &str| std::fs::read_to_string(folder.join(file)).expect("the repository has the file");
+    let oracle: Value = serde_json::from_str(&text("oracle.json")).expect("the file is JSON");
+    let link = |key: &str| oracle[key].as_str().map(str::to_owned);
+    let description = Description {
+        kinematics: Kinematics::Urdf {
+            text: text(&format!("{arm}.urdf")),
+            base_link: link("root_link"),
+            tip_link: link("tip_link"),
+        },
+        joints: Vec::new(),
+        gravity: Some([0.0, 0.0, -9.81].into()),
+        payload: None,
+        tcp: None,
+        frames: Vec::new(),
+        use_urdf_dynamics: false,
+    };
+    let resolved = description.resolve().expect("the arm is sound");
+    Robot::new(resolved.spec, resolved.warnings).expect("the arm is sound")
+}
+
+fn print(name: &str, mut times: Vec<f64>) {
+    times.sort_by(f64::total_cmp);
+    println!("{name} {:.2} {:.2}", times[times.len() / 2], times[0]);
+}
+
+/// SplitMix64, as in `takt_checker::draw`.
+struct Draw(u64);
+
+impl Draw {
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut mixed = self.0;
+        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^= mixed >> 31;
+        low + (high - low) * ((mixed >> 11) as f64 / (1u64 << 53) as f64)
+    }
+}
