@@ -56,4 +56,3 @@ pub use tolerance::{
 };
 #[doc(hidden)]
 pub use timing::measured;
-pub use tolerance::{DURATION_MAX, POSITION_MAX, SETPOINTS_MAX, TRAJECTORY_POINTS_MAX, TRAVEL_MAX};

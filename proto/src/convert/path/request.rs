@@ -1,7 +1,7 @@
 //! A robot program, read segment by segment.
 
 use takt_motion::{
-    POSITION_MAX,
+    POSITION_MAX, SEGMENTS_MAX, SPLINE_POINTS_MAX,
     nalgebra::{Isometry3, Vector3},
     path::request::{
         Arc, ArcOrientation, Blend, Circle, Extent, OnExcess, PathRequest, Segment, Shape, Space, Spline, SplineKind,
@@ -15,9 +15,6 @@ use crate::{
     convert::{Findings, Path, SMALLEST, plan, quoted, robot, robot::LENGTH_MAX},
     v1,
 };
-
-/// Most segments of a program, and most points of a spline: far above what is taught, far below what exhausts a server.
-pub const SEGMENTS_MAX: usize = 10_000;
 
 /// Longest dwell, s: an hour.
 const DWELL_MAX: f64 = 3600.0;
@@ -75,6 +72,8 @@ pub fn path_request(wire: v1::PlanPathRequest, robot: Option<&RobotSpec>, findin
                 Transition::Smooth
             }
         },
+        transition_time: findings.positive_option(at.field("transition_time_s"), wire.transition_time_s, " s"),
+        tolerance: findings.positive_option(at.field("tolerance_m"), wire.tolerance_m, " m"),
         start_speed: findings.positive_option(at.field("start_speed"), wire.start_speed, ""),
         end_speed: findings.positive_option(at.field("end_speed"), wire.end_speed, ""),
         sampling: plan::sampling(wire.sample_period_s, wire.trace_points, findings),
@@ -312,10 +311,11 @@ impl Reader<'_> {
         if points.is_empty() {
             findings.push(points_at, "must have at least one entry");
         }
-        if points.len() > SEGMENTS_MAX {
+        if points.len() > SPLINE_POINTS_MAX {
+            let count = points.len();
             findings.push(
                 points_at,
-                format!("has {} entries, the most is {SEGMENTS_MAX}", points.len()),
+                format!("has {count} entries, the most is {SPLINE_POINTS_MAX}"),
             );
             points.clear();
         }
