@@ -84,6 +84,8 @@ pub fn program(draw: &mut Draw, cell: &Cell<'_>) -> PathRequest {
         timing: Timing::Optimal,
         on_excess: OnExcess::SlowDown,
         transition: Transition::Smooth,
+        transition_time: None,
+        tolerance: None,
         start_speed: None,
         end_speed: None,
         sampling: cell.sampling,

@@ -98,6 +98,8 @@ impl Lifts {
                 timing: Timing::Optimal,
                 on_excess: OnExcess::SlowDown,
                 transition: Transition::Smooth,
+                transition_time: None,
+                tolerance: None,
                 start_speed: None,
                 end_speed: None,
                 sampling,

@@ -9,7 +9,8 @@ use crate::robot::Robot;
 use crate::robot::spec::{Drive, Friction};
 use crate::test_arms::{lift, planar, robot};
 use crate::timing::limits::{JointLimits, Limits, Stretch};
-use crate::timing::test_curves::{Polynomials, puma560, random_walk, ur5e};
+use crate::timing::measured::Polynomials;
+use crate::timing::test_curves::{puma560, random_walk, ur5e};
 use crate::timing::tests::own_limits;
 
 mod check;
