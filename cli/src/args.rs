@@ -7,8 +7,8 @@ use takt_client::{Client, Transport};
 
 use crate::{
     commands::{
-        check::CheckArgs, completions::CompletionsArgs, dynamics::DynamicsArgs, health::HealthArgs, plan::PlanCommand,
-        pose::PoseArgs, robot::RobotCommand, serve::ServeArgs,
+        check::CheckArgs, completions::CompletionsArgs, dynamics::DynamicsArgs, health::HealthArgs, inverse::IkArgs,
+        plan::PlanCommand, pose::PoseArgs, robot::RobotCommand, serve::ServeArgs, setpoints::SetpointsArgs,
     },
     failure::Failure,
     numbers,
@@ -28,13 +28,15 @@ Examples:
   takt plan move ur5e --from 0,-90deg,0,0,0,0 --to 1,-1,1,0,0,0
   takt plan move ur5e --from … --to … --plot               speed and torque against their limits
   takt plan move ur5e --from … --to … --sample-period 4ms --csv > move.csv
+  takt plan path ur5e examples/pick_and_place.yaml         a program of lines, arcs and joint moves
+  takt setpoints ur5e --program seam.yaml --sample-period 4ms | to-the-controller
   takt check ur5e move.csv                                 margins of a trajectory made elsewhere
 
 Exit codes:
   0  done
   1  the service could not be reached, could not do it, or took too long
   2  the command line or the request is wrong
-  3  the answer is no: the move is infeasible, or the trajectory breaks a limit"
+  3  the answer is no: the motion is infeasible, the pose out of reach, or the trajectory breaks a limit"
 )]
 pub(crate) struct Cli {
     #[command(flatten)]
@@ -53,6 +55,8 @@ pub(crate) enum Command {
     Check(Box<CheckArgs>),
     Dynamics(Box<DynamicsArgs>),
     Pose(PoseArgs),
+    Ik(IkArgs),
+    Setpoints(Box<SetpointsArgs>),
     Health(HealthArgs),
     Completions(CompletionsArgs),
 }

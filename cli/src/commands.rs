@@ -1,13 +1,17 @@
 //! One file a command.
 
+pub(crate) mod batch;
 pub(crate) mod check;
 pub(crate) mod completions;
 pub(crate) mod dynamics;
 pub(crate) mod health;
+pub(crate) mod inverse;
+pub(crate) mod path;
 pub(crate) mod plan;
 pub(crate) mod pose;
 pub(crate) mod robot;
 pub(crate) mod serve;
+pub(crate) mod setpoints;
 
 mod context;
 
@@ -38,6 +42,8 @@ pub(crate) fn run(cli: Cli, io: &mut Io) -> Result<u8, Failure> {
             Command::Check(args) => check::run(*args, &connection.client()?, io).await,
             Command::Dynamics(args) => dynamics::run(*args, &connection.client()?, io).await,
             Command::Pose(args) => pose::run(args, &connection.client()?, io).await,
+            Command::Ik(args) => inverse::run(args, &connection.client()?, io).await,
+            Command::Setpoints(args) => setpoints::run(*args, &connection.client()?, io).await,
             Command::Health(_) => health::run(&connection.client()?, io).await,
             Command::Completions(args) => completions::run(&args, io),
         }

@@ -64,7 +64,7 @@ fn wrong(name: &str, error: &str) -> Failure {
 }
 
 /// Only whether a key is there.
-fn has_key(name: &str, text: &str, key: &str) -> bool {
+pub(crate) fn has_key(name: &str, text: &str, key: &str) -> bool {
     let value: Result<serde_json::Value, _> = Format::of(name, text).parse(text);
     value.is_ok_and(|value| value.get(key).is_some())
 }
@@ -99,11 +99,7 @@ pub(crate) fn check_request(name: &str, text: &str) -> Result<v1::CheckTrajector
     let trajectory = if has_key(name, text, "points") {
         message(name, text)?
     } else {
-        let reply: v1::PlanMoveResponse = message(name, text)?;
-        let setpoints = match reply.outcome {
-            Some(v1::plan_move_response::Outcome::Plan(plan)) => plan.setpoints,
-            _ => None,
-        };
+        let setpoints = setpoints_of_reply(name, text)?;
         let setpoints = setpoints.ok_or_else(|| {
             wrong(
                 name,
@@ -116,6 +112,24 @@ pub(crate) fn check_request(name: &str, text: &str) -> Result<v1::CheckTrajector
     Ok(v1::CheckTrajectoryRequest {
         trajectory: Some(trajectory),
         ..Default::default()
+    })
+}
+
+/// The set-points of the reply to a move or to a program.
+fn setpoints_of_reply(name: &str, text: &str) -> Result<Option<v1::Setpoints>, Failure> {
+    let value: Result<serde_json::Value, _> = Format::of(name, text).parse(text);
+    let is_path = value.is_ok_and(|value| value["plan"].get("segments").is_some());
+    if is_path {
+        let reply: v1::PlanPathResponse = message(name, text)?;
+        return Ok(match reply.outcome {
+            Some(v1::plan_path_response::Outcome::Plan(plan)) => plan.setpoints,
+            _ => None,
+        });
+    }
+    let reply: v1::PlanMoveResponse = message(name, text)?;
+    Ok(match reply.outcome {
+        Some(v1::plan_move_response::Outcome::Plan(plan)) => plan.setpoints,
+        _ => None,
     })
 }
 

@@ -53,6 +53,17 @@ impl Io {
         )
     }
 
+    /// Writes a piece of an answer; false where nobody reads any more.
+    pub(crate) fn pass(&mut self, text: &str) -> Result<bool, Failure> {
+        let written = self
+            .output
+            .write_all(text.as_bytes())
+            .and_then(|()| self.output.flush());
+        let goes_on = written.is_ok();
+        quiet(written)?;
+        Ok(goes_on)
+    }
+
     /// Writes a remark.
     pub(crate) fn remark(&mut self, text: &str) -> Result<(), Failure> {
         quiet(writeln!(self.errors, "{text}").and_then(|()| self.errors.flush()))

@@ -91,7 +91,11 @@ fn server() -> String {
             .build()
             .unwrap();
         runtime.block_on(async {
-            let server = Server::bind(Config::default()).await.unwrap();
+            let config = Config {
+                examples: true,
+                ..Config::default()
+            };
+            let server = Server::bind(config).await.unwrap();
             tell.send(server.local_addr()).unwrap();
             server.run(std::future::pending()).await;
         });
@@ -175,6 +179,175 @@ fn a_plan_is_told_drawn_and_written() {
     }
     assert_eq!(std::fs::read_to_string(svg).unwrap().matches("<polyline").count(), 4);
     assert!(std::fs::read_to_string(html).unwrap().contains("Torque margins"));
+}
+
+/// The example programs, as they stand in the documentation.
+const PROGRAMS: [&str; 3] = ["pick_and_place", "welding_seam", "glue_bead"];
+
+fn program(name: &str) -> String {
+    format!("{}/../examples/{name}.yaml", env!("CARGO_MANIFEST_DIR"))
+}
+
+#[test]
+fn the_example_programs_can_be_run() {
+    let server = server();
+    for name in PROGRAMS {
+        let said = call(&server, &["plan", "path", "ur5e", &program(name)], "");
+        assert_eq!(said.code, exit::OK, "{name}: {}{}", said.output, said.errors);
+        for part in ["duration", "segments", "tool [m]", "margin", "ur5e revision"] {
+            assert!(
+                said.output.contains(part),
+                "{name}: {part:?} is not in\n{}",
+                said.output
+            );
+        }
+    }
+}
+
+#[test]
+fn a_program_is_drawn_written_and_printed_for_controllers() {
+    let server = server();
+    let folder = tempfile::tempdir().unwrap();
+    let (svg, html) = (folder.path().join("a.svg"), folder.path().join("a.html"));
+    let program = program("glue_bead");
+    let line = ["plan", "path", "ur5e", &program];
+    let files = [
+        "--plot",
+        "--svg",
+        svg.to_str().unwrap(),
+        "--html",
+        html.to_str().unwrap(),
+    ];
+    let said = call(&server, &with(&line, &files), "");
+    assert_eq!(said.code, exit::OK, "{}", said.errors);
+    assert!(said.output.contains("velocity [rad/s]"), "{}", said.output);
+    assert_eq!(std::fs::read_to_string(svg).unwrap().matches("<polyline").count(), 12);
+    assert!(
+        std::fs::read_to_string(html)
+            .unwrap()
+            .contains("tightest moment of every limit")
+    );
+    let csv = call(&server, &with(&line, &["--sample-period", "8ms", "--csv"]), "").output;
+    assert!(
+        csv.lines()
+            .next()
+            .unwrap()
+            .ends_with("segment,fraction,tool_speed_m_per_s")
+    );
+    let ros = call(&server, &with(&line, &["--sample-period", "8ms", "--ros"]), "").output;
+    let ros: serde_json::Value = serde_json::from_str(&ros).unwrap();
+    assert_eq!(ros["points"].as_array().unwrap().len(), csv.lines().count() - 1);
+    assert_eq!(ros["points"][1]["time_from_start"]["nanosec"], 8_000_000);
+    let stream = ["setpoints", "ur5e", "--program", &program, "--sample-period", "8ms"];
+    for transport in ["grpc", "http"] {
+        let streamed = call(&server, &with(&["--transport", transport], &stream), "");
+        assert_eq!(
+            (streamed.code, &streamed.output),
+            (exit::OK, &csv),
+            "{}",
+            streamed.errors
+        );
+    }
+    let parts = call(&server, &with(&stream, &["--json", "--chunk", "100"]), "").output;
+    let mut parts = parts
+        .lines()
+        .map(|part| serde_json::from_str::<serde_json::Value>(part).unwrap());
+    let header = parts.next().unwrap();
+    assert!(header["path"]["plan"]["duration_s"].is_number());
+    let counts = parts.map(|chunk| chunk["setpoints"]["time_s"].as_array().unwrap().len());
+    assert_eq!(counts.sum::<usize>(), csv.lines().count() - 1);
+    let asked = call(&server, &with(&line, &["--ros"]), "");
+    assert_eq!(asked.code, exit::USAGE);
+    assert!(asked.errors.contains("--sample-period"), "{}", asked.errors);
+}
+
+#[test]
+fn a_program_that_cannot_be_run_says_where() {
+    let server = server();
+    let text = std::fs::read_to_string(program("pick_and_place")).unwrap();
+    let far = text.replace("[-0.45, -0.25, 0.12]", "[-4.5, -0.25, 0.12]");
+    assert_ne!(text, far);
+    let said = call(&server, &["plan", "path", "ur5e", "-"], &far);
+    assert_eq!(said.code, exit::NO, "{}", said.errors);
+    assert!(
+        said.output.contains("infeasible") && said.output.contains("segment 4"),
+        "{}",
+        said.output
+    );
+    let wrong = text.replace("blend: {radius_m: 0.05}", "blend: {radius: 0.05}");
+    let said = call(&server, &["plan", "path", "ur5e", "-"], &wrong);
+    assert_eq!(said.code, exit::USAGE);
+    assert!(said.errors.contains("radius"), "{}", said.errors);
+    let streamed = call(
+        &server,
+        &["setpoints", "ur5e", "--program", "-", "--sample-period", "8ms"],
+        &far,
+    );
+    assert_eq!((streamed.code, streamed.output.as_str()), (exit::NO, ""));
+    assert!(streamed.errors.contains("infeasible"), "{}", streamed.errors);
+}
+
+#[test]
+fn a_pose_has_its_solutions() {
+    let server = server();
+    let ask = |line: &[&str]| call(&server, &with(&["ik", "ur5e"], line), "");
+    let down = ask(&["--pose", "-0.4,-0.2,0.3", "--rpy", "180deg,0,0"]);
+    assert_eq!(down.code, exit::OK, "{}", down.errors);
+    assert!(down.output.lines().count() > 4, "{}", down.output);
+    let same = ask(&["--pose", "-0.4,-0.2,0.3,1,0,0,0"]);
+    assert_eq!(same.output, down.output);
+    let degrees = ask(&["--pose", "-0.4,-0.2,0.3", "--rpy", "180,0,0", "--degrees"]);
+    assert!(degrees.output.contains("[deg]"), "{}", degrees.output);
+    let far = ask(&["--pose", "4,0,0"]);
+    assert_eq!(far.code, exit::NO);
+    assert!(far.output.contains("out of reach"), "{}", far.output);
+    for wrong in [&["--pose", "1,2"][..], &["--pose", "0,0,0,0,0,0,1", "--rpy", "0,0,0"]] {
+        assert_eq!(ask(wrong).code, exit::USAGE);
+    }
+}
+
+#[test]
+fn a_batch_is_answered_line_by_line() {
+    let server = cell();
+    let line = |id: &str, to: f64| {
+        format!(
+            r#"{{"id": "{id}", "move": {{"start": {{"position": [-1.5, 0]}}, "target": {{"position": [{to}, -0.5]}}}}}}"#
+        )
+    };
+    let good = [line("a", 0.1), line("b", 0.2)].join("\n");
+    let said = call(&server, &["plan", "batch", "arm", "-", "--ordered"], &good);
+    assert_eq!(said.code, exit::OK, "{}", said.errors);
+    let ids: Vec<String> = said
+        .output
+        .lines()
+        .map(|line| {
+            serde_json::from_str::<serde_json::Value>(line).unwrap()["id"]
+                .as_str()
+                .unwrap()
+                .to_owned()
+        })
+        .collect();
+    assert_eq!(ids, ["a", "b"]);
+    assert_eq!(said.errors, "2 requests: 2 plans\n");
+    let mixed = format!("{good}\n{}\nnonsense\n{}", line("far", 99.0), line("c", 0.3));
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("moves.jsonl");
+    std::fs::write(&file, mixed).unwrap();
+    for transport in ["grpc", "http"] {
+        let said = call(
+            &server,
+            &["--transport", transport, "plan", "batch", "arm", file.to_str().unwrap()],
+            "",
+        );
+        assert_eq!(said.code, exit::USAGE, "{}", said.errors);
+        assert_eq!(said.output.lines().count(), 4);
+        assert!(said.errors.contains("line 4: "), "{}", said.errors);
+        assert!(
+            said.errors.ends_with("5 requests: 3 plans, 2 wrong\n"),
+            "{}",
+            said.errors
+        );
+    }
 }
 
 #[test]

@@ -112,10 +112,11 @@ fn set_limit(entry: &mut v1::LimitOverride, kind: &str, value: f64) -> Result<()
         "acceleration" => &mut entry.acceleration,
         "deceleration" => &mut entry.deceleration,
         "peak_torque" => &mut entry.peak_torque,
+        "jerk" => &mut entry.jerk,
         _ => {
             return Err(format!(
                 "no limit {kind:?}; there are position_lower, position_upper, velocity, acceleration, deceleration, \
-                 peak_torque"
+                 peak_torque, jerk"
             ));
         }
     };

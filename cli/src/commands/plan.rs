@@ -3,7 +3,11 @@
 use clap::{Args, Subcommand, ValueEnum};
 use takt_client::{Client, v1};
 
-use super::context::{self, PayloadArgs, limit, limits};
+use super::{
+    batch::{self, BatchArgs},
+    context::{self, PayloadArgs, limit, limits},
+    path::{self, PathArgs},
+};
 use crate::{
     exit,
     failure::Failure,
@@ -13,7 +17,7 @@ use crate::{
     render::{
         csv,
         curves::Curves,
-        html, infeasible, plan as tables,
+        html, infeasible, plan as tables, ros,
         svg::{self, Heading},
         terminal_plot,
         words::Units,
@@ -27,6 +31,16 @@ const PICTURE_POINTS: u32 = 400;
 #[derive(Debug, Subcommand)]
 pub(crate) enum PlanCommand {
     Move(Box<MoveArgs>),
+    Path(Box<PathArgs>),
+    Batch(BatchArgs),
+}
+
+pub(crate) async fn run(command: PlanCommand, client: &Client, io: &mut Io) -> Result<u8, Failure> {
+    match command {
+        PlanCommand::Move(args) => plan_move(*args, client, io).await,
+        PlanCommand::Path(args) => path::run(*args, client, io).await,
+        PlanCommand::Batch(args) => batch::run(args, client, io).await,
+    }
 }
 
 /// Plans a move from one configuration to another: as fast as every limit allows, with the proof.
@@ -37,6 +51,7 @@ Examples:
   takt plan move ur5e --degrees --from 0,-90,0,0,0,0 --to 60,-60,60,0,0,0 --payload 3 --plot
   takt plan move ur5e --from … --to … --sample-period 4ms --csv > move.csv      set-points for a controller
   takt plan move ur5e --from … --to … --html report.html                       a report to hand on
+  takt plan move ur5e --from … --to … --sample-period 8ms --ros                a ROS trajectory_msgs/JointTrajectory
   takt plan move ur5e --from … --to … --limit elbow_joint.velocity=1.5 --utilization 0.9
   takt plan move ur5e --request move.json --json                               as the API takes and gives it
   takt plan move ur5e --from … --to … --sample-period 8ms --json | takt check ur5e -
@@ -98,7 +113,7 @@ pub(crate) struct MoveArgs {
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Samples")]
-struct Samples {
+pub(super) struct Samples {
     /// Set-points at this period, as in 4ms; the duration becomes a whole number of periods.
     #[arg(long, value_name = "TIME", value_parser = numbers::seconds, conflicts_with = "trace")]
     sample_period: Option<f64>,
@@ -107,29 +122,73 @@ struct Samples {
     trace: Option<u32>,
 }
 
+impl Samples {
+    /// Puts what is asked for into the fields of a request, and what a form of output needs where nothing is.
+    pub(super) fn apply(
+        &self,
+        output: &Output,
+        sample_period_s: &mut Option<f64>,
+        trace_points: &mut Option<u32>,
+    ) -> Result<(), Failure> {
+        if self.sample_period.is_some() || self.trace.is_some() {
+            (*sample_period_s, *trace_points) = (self.sample_period, self.trace);
+        }
+        if output.ros && sample_period_s.is_none() {
+            return Err(Failure::usage("--ros needs to know the period of the points")
+                .hint("as for a controller: --sample-period 4ms"));
+        }
+        if sample_period_s.is_some() || trace_points.is_some() {
+            return Ok(());
+        }
+        if output.csv {
+            return Err(Failure::usage("--csv needs to know which samples to print")
+                .hint("set-points for a controller: --sample-period 4ms")
+                .hint("the plan as it is: --trace 400"));
+        }
+        *trace_points = output.draws().then_some(PICTURE_POINTS);
+        Ok(())
+    }
+}
+
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output (default: tables)")]
-struct Output {
+pub(super) struct Output {
     /// Print the reply as it is.
     #[arg(long, group = "form")]
-    json: bool,
+    pub(super) json: bool,
     /// Print the set-points as CSV.
     #[arg(long, group = "form")]
-    csv: bool,
+    pub(super) csv: bool,
+    /// Print the set-points as the JSON of a ROS trajectory_msgs/JointTrajectory.
+    #[arg(long, group = "form")]
+    pub(super) ros: bool,
     /// Also draw speed and torque against their limits.
     #[arg(long, conflicts_with = "form")]
-    plot: bool,
+    pub(super) plot: bool,
     /// Write the curves to an SVG file.
     #[arg(long, value_name = "FILE")]
-    svg: Option<String>,
+    pub(super) svg: Option<String>,
     /// Write a report with tables and curves to an HTML file, complete in itself.
     #[arg(long, value_name = "FILE")]
-    html: Option<String>,
+    pub(super) html: Option<String>,
 }
 
 impl Output {
-    fn draws(&self) -> bool {
+    pub(super) fn draws(&self) -> bool {
         self.plot || self.svg.is_some() || self.html.is_some()
+    }
+
+    /// Whether the answer is for a program, which must not find sentences in it.
+    pub(super) fn is_data(&self) -> bool {
+        self.csv || self.ros
+    }
+
+    /// Prints set-points in the form asked for.
+    pub(super) fn print_setpoints(&self, setpoints: &v1::Setpoints, io: &mut Io) -> Result<(), Failure> {
+        match self.ros {
+            true => context::print_json(&ros::trajectory(setpoints), io),
+            false => io.print(&csv::setpoints(setpoints)),
+        }
     }
 }
 
@@ -143,8 +202,7 @@ enum MethodName {
     Verified,
 }
 
-pub(crate) async fn run(command: PlanCommand, client: &Client, io: &mut Io) -> Result<u8, Failure> {
-    let PlanCommand::Move(args) = command;
+async fn plan_move(args: MoveArgs, client: &Client, io: &mut Io) -> Result<u8, Failure> {
     let revision = args.revision.as_deref();
     let mut robot = match args.degrees {
         true => Some(context::robot(client, &args.robot_id, revision).await?),
@@ -162,7 +220,7 @@ pub(crate) async fn run(command: PlanCommand, client: &Client, io: &mut Io) -> R
     }
     // The limits and names of the very revision that the plan is of.
     let used = reply.provenance.clone().unwrap_or_default();
-    let needed = !args.output.csv || args.output.draws() || !feasible;
+    let needed = !args.output.is_data() || args.output.draws() || !feasible;
     let other = robot.as_ref().is_none_or(|robot| robot.revision != used.revision);
     if needed && other {
         robot = Some(context::robot(client, &args.robot_id, Some(&used.revision)).await?);
@@ -172,11 +230,9 @@ pub(crate) async fn run(command: PlanCommand, client: &Client, io: &mut Io) -> R
         Some(v1::plan_move_response::Outcome::Plan(plan)) => show(&args, &request, plan, &used, &robot, io)?,
         Some(v1::plan_move_response::Outcome::Infeasible(no)) => {
             let text = infeasible::evidence(no, &robot, io.terminal.colour);
-            // Whoever reads CSV must not find sentences in it.
-            if args.output.csv {
-                io.remark(text.trim_end())?
-            } else {
-                io.print(&text)?
+            match args.output.is_data() {
+                true => io.remark(text.trim_end())?,
+                false => io.print(&text)?,
             }
         }
         None => {
@@ -215,18 +271,8 @@ fn request(args: &MoveArgs, robot: Option<&v1::Robot>, io: &mut Io) -> Result<v1
     request.torque_utilization = args.utilization.or(request.torque_utilization);
     request.speed_scale = args.speed_scale.or(request.speed_scale);
     request.cycle_time_s = args.cycle_time.or(request.cycle_time_s);
-    if args.samples.sample_period.is_some() || args.samples.trace.is_some() {
-        request.sample_period_s = args.samples.sample_period;
-        request.trace_points = args.samples.trace;
-    }
-    if request.sample_period_s.is_none() && request.trace_points.is_none() {
-        if args.output.csv {
-            return Err(Failure::usage("--csv needs to know which samples to print")
-                .hint("set-points for a controller: --sample-period 4ms")
-                .hint("the plan as it is: --trace 400"));
-        }
-        request.trace_points = args.output.draws().then_some(PICTURE_POINTS);
-    }
+    args.samples
+        .apply(&args.output, &mut request.sample_period_s, &mut request.trace_points)?;
     Ok(request)
 }
 
@@ -240,9 +286,8 @@ fn show(
 ) -> Result<(), Failure> {
     let units = Units { degrees: args.degrees };
     let output = &args.output;
-    if output.csv {
-        let setpoints = plan.setpoints.clone().unwrap_or_default();
-        io.print(&csv::setpoints(&setpoints))?;
+    if output.is_data() {
+        output.print_setpoints(&plan.setpoints.clone().unwrap_or_default(), io)?;
     } else if !output.json {
         io.print(&tables::plan(plan, used, robot, units, io.terminal))?;
     }

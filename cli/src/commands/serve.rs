@@ -63,6 +63,9 @@ struct LimitArgs {
     /// Most bytes of all requests in work together.
     #[arg(long, value_name = "BYTES", env = "TAKT_MAX_BYTES_IN_WORK")]
     max_bytes_in_work: Option<usize>,
+    /// Time after which a stream ends of which the caller takes nothing, or to which it adds nothing. Default: 60s.
+    #[arg(long, value_name = "TIME", env = "TAKT_STREAM_IDLE", value_parser = numbers::seconds)]
+    stream_idle: Option<f64>,
 }
 
 #[derive(Debug, Args)]
@@ -148,6 +151,7 @@ impl ServeArgs {
             limits.max_concurrent_requests,
         );
         set(&mut config.limits.max_bytes_in_work, limits.max_bytes_in_work);
+        set(&mut config.limits.stream_idle_s, limits.stream_idle);
         let connections = &mut config.connections;
         set(&mut connections.max_connections, network.max_connections);
         set(&mut connections.max_concurrent_streams, network.max_concurrent_streams);

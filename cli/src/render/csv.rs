@@ -10,33 +10,56 @@ use crate::failure::Failure;
 
 const TIME: &str = "time_s";
 
-/// `time_s,JOINT.position,JOINT.velocity,JOINT.acceleration,JOINT.torque,…`
+type Column = fn(&v1::JointColumns) -> &Vec<f64>;
+
+const QUANTITIES: [(&str, Column); 4] = [
+    ("position", |joint| &joint.position),
+    ("velocity", |joint| &joint.velocity),
+    ("acceleration", |joint| &joint.acceleration),
+    ("torque", |joint| &joint.torque),
+];
+
+/// `time_s,JOINT.position,JOINT.velocity,JOINT.acceleration,JOINT.torque,…`; of a path also
+/// `segment,fraction,tool_speed_m_per_s`.
 pub(crate) fn setpoints(setpoints: &v1::Setpoints) -> String {
-    type Column = fn(&v1::JointColumns) -> &Vec<f64>;
-    let quantities: [(&str, Column); 4] = [
-        ("position", |joint| &joint.position),
-        ("velocity", |joint| &joint.velocity),
-        ("acceleration", |joint| &joint.acceleration),
-        ("torque", |joint| &joint.torque),
-    ];
+    head(setpoints) + &rows(setpoints)
+}
+
+/// The names of the columns.
+pub(crate) fn head(setpoints: &v1::Setpoints) -> String {
     let mut out = TIME.to_owned();
     for joint in &setpoints.joints {
-        for (name, _) in quantities {
+        for (name, _) in QUANTITIES {
             let _ = write!(out, ",{}", quoted(&format!("{}.{name}", joint.joint)));
         }
     }
+    if !setpoints.segment.is_empty() {
+        out.push_str(",segment,fraction,tool_speed_m_per_s");
+    }
     out.push('\n');
+    out
+}
+
+/// One row a sample.
+pub(crate) fn rows(setpoints: &v1::Setpoints) -> String {
+    let mut out = String::new();
+    let cell = |out: &mut String, value: Option<&f64>| match value {
+        Some(value) => {
+            let _ = write!(out, ",{value:?}");
+        }
+        None => out.push(','),
+    };
     for (index, time) in setpoints.time_s.iter().enumerate() {
         let _ = write!(out, "{time:?}");
         for joint in &setpoints.joints {
-            for (_, column) in quantities {
-                match column(joint).get(index) {
-                    Some(value) => {
-                        let _ = write!(out, ",{value:?}");
-                    }
-                    None => out.push(','),
-                }
+            for (_, column) in QUANTITIES {
+                cell(&mut out, column(joint).get(index));
             }
+        }
+        if let Some(segment) = setpoints.segment.get(index) {
+            let _ = write!(out, ",{segment}");
+            cell(&mut out, setpoints.fraction.get(index));
+            cell(&mut out, setpoints.tool_speed_m_per_s.get(index));
         }
         out.push('\n');
     }

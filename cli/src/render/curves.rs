@@ -77,18 +77,59 @@ impl Curves {
         tightened: &[v1::LimitOverride],
         units: Units,
     ) -> Option<Self> {
-        let setpoints = plan.setpoints.as_ref()?;
+        let parts = Parts {
+            margins: &plan.torque_margins,
+            patterns: &plan.patterns,
+            speed_scale: plan.speed_scale,
+            robot,
+            tightened,
+            units,
+        };
+        Some(parts.curves(plan.setpoints.as_ref()?))
+    }
+
+    /// The curves of a path; `None` where it came without samples. Limits are those of the whole path.
+    pub(crate) fn of_path(
+        plan: &v1::PathPlan,
+        robot: &v1::Robot,
+        tightened: &[v1::LimitOverride],
+        units: Units,
+    ) -> Option<Self> {
+        let parts = Parts {
+            margins: &plan.torque_margins,
+            patterns: &[],
+            speed_scale: plan.speed_scale,
+            robot,
+            tightened,
+            units,
+        };
+        Some(parts.curves(plan.setpoints.as_ref()?))
+    }
+}
+
+/// What stands beside the samples.
+struct Parts<'a> {
+    margins: &'a [v1::TorqueMargin],
+    patterns: &'a [v1::Pattern],
+    speed_scale: f64,
+    robot: &'a v1::Robot,
+    tightened: &'a [v1::LimitOverride],
+    units: Units,
+}
+
+impl Parts<'_> {
+    fn curves(&self, setpoints: &v1::Setpoints) -> Curves {
         let joints = setpoints.joints.iter().map(|columns| {
             let name = &columns.joint;
-            let unit = units.of(robot, name);
-            let model = robot.joints.iter().find(|joint| joint.name == *name);
-            let own = tightened.iter().find(|limit| limit.joint == *name);
+            let unit = self.units.of(self.robot, name);
+            let model = self.robot.joints.iter().find(|joint| joint.name == *name);
+            let own = self.tightened.iter().find(|limit| limit.joint == *name);
             let speed = own
                 .and_then(|limit| limit.velocity)
                 .or_else(|| model?.limits.as_ref()?.velocity)
-                .map(|speed| speed * plan.speed_scale * unit.factor);
-            let margin = plan.torque_margins.iter().find(|margin| margin.joint == *name);
-            let pattern = plan.patterns.iter().find(|pattern| pattern.joint == *name);
+                .map(|speed| speed * self.speed_scale * unit.factor);
+            let margin = self.margins.iter().find(|margin| margin.joint == *name);
+            let pattern = self.patterns.iter().find(|pattern| pattern.joint == *name);
             JointCurves {
                 joint: name.clone(),
                 velocity: Curve {
@@ -111,10 +152,10 @@ impl Curves {
                 }),
             }
         });
-        Some(Self {
+        Curves {
             joints: joints.collect(),
             time: setpoints.time_s.clone(),
-        })
+        }
     }
 }
 

@@ -124,3 +124,52 @@ pub(crate) fn provenance() -> v1::Provenance {
         request_hash: "h".to_owned(),
     }
 }
+
+/// A program of two segments with a blend between them.
+pub(crate) fn path() -> v1::PathPlan {
+    use v1::PathLimitKind;
+    let location = Some(v1::PathLocation {
+        segment: 1,
+        fraction: 0.25,
+    });
+    let segment = |begin_s: f64, end_s: f64| v1::SegmentReport {
+        begin_s,
+        end_s,
+        tool_length_m: 0.25,
+    };
+    let cost = |kind: PathLimitKind, joint: &str, time_s: f64| v1::LimitCost {
+        kind: kind.into(),
+        joint: joint.to_owned(),
+        time_s,
+    };
+    v1::PathPlan {
+        duration_s: 1.0,
+        continuity: 3,
+        segments: vec![segment(0.0, 0.5), segment(0.5, 1.0)],
+        blends: vec![v1::BlendReport {
+            begin_s: 0.4,
+            end_s: 0.6,
+            deviation_m: 0.002,
+            corner_distance_m: 0.003,
+            shrunk: Some("neighbour too short".to_owned()),
+            ..Default::default()
+        }],
+        torque_margins: plan().torque_margins,
+        limit_uses: vec![v1::PathLimitUse {
+            kind: PathLimitKind::TcpVelocity.into(),
+            value: 0.5,
+            limit: 0.5,
+            time_s: 0.3,
+            location,
+            ..Default::default()
+        }],
+        limit_costs: vec![
+            cost(PathLimitKind::JointTorque, "turn", 0.6),
+            cost(PathLimitKind::TcpVelocity, "", 0.4),
+        ],
+        setpoints: plan().setpoints,
+        torque_utilization: 1.0,
+        speed_scale: 1.0,
+        ..Default::default()
+    }
+}

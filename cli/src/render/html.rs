@@ -8,7 +8,7 @@ use super::{
     curves::Curves,
     plan,
     svg::{self, escape},
-    table::number,
+    table::{Tone, number},
     words::{self, Units},
 };
 
@@ -38,20 +38,31 @@ pub(crate) fn render(
     request: &str,
 ) -> String {
     let title = format!("{}: a move in {:.3} s", robot.robot_id, plan.duration_s);
-    let mut out = format!(
+    let mut out = begin(&title, provenance);
+    cards(&mut out, plan);
+    facts(&mut out, &plan::facts(plan), &plan.warnings);
+    margins(&mut out, &plan.torque_margins, robot);
+    motion(&mut out, plan, robot, units);
+    end(&mut out, curves, request);
+    out
+}
+
+/// The head of a report.
+pub(super) fn begin(title: &str, provenance: &v1::Provenance) -> String {
+    format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n<title>{0}</title>\n\
          <style>{STYLE}</style>\n</head>\n<body>\n<main>\n<h1>{0}</h1>\n\
          <p class=\"note\">revision {1}, takt {2}, request {3}</p>\n",
-        escape(&title),
+        escape(title),
         escape(&provenance.revision),
         escape(&provenance.version),
         escape(&provenance.request_hash)
-    );
-    cards(&mut out, plan);
-    facts(&mut out, plan);
-    margins(&mut out, plan, robot);
-    motion(&mut out, plan, robot, units);
+    )
+}
+
+/// The curves, and what was asked.
+pub(super) fn end(out: &mut String, curves: &Curves, request: &str) {
     out.push_str("<section>\n<h2>Speed and torque</h2>\n");
     out.push_str(&svg::render(curves, None));
     out.push_str("</section>\n");
@@ -61,7 +72,6 @@ pub(crate) fn render(
          </section>\n</main>\n</body>\n</html>\n",
         escape_block(request)
     );
-    out
 }
 
 /// As [`escape`], but line breaks stay.
@@ -69,7 +79,7 @@ fn escape_block(text: &str) -> String {
     text.lines().map(escape).collect::<Vec<_>>().join("\n")
 }
 
-fn card(out: &mut String, value: &str, name: &str) {
+pub(super) fn card(out: &mut String, value: &str, name: &str) {
     let _ = writeln!(
         out,
         "<div class=\"card\"><b>{}</b><span>{}</span></div>",
@@ -98,19 +108,20 @@ fn cards(out: &mut String, plan: &v1::MovePlan) {
     out.push_str("</div>\n");
 }
 
-fn facts(out: &mut String, plan: &v1::MovePlan) {
+/// What is said above the tables, by name.
+pub(super) fn facts(out: &mut String, facts: &[(&'static str, String, Tone)], warnings: &[String]) {
     out.push_str("<section>\n<h2>What decides the time</h2>\n<dl>\n");
-    for (name, value, _) in plan::facts(plan) {
-        let _ = writeln!(out, "<dt>{name}</dt><dd>{}</dd>", escape(&value));
+    for (name, value, _) in facts {
+        let _ = writeln!(out, "<dt>{name}</dt><dd>{}</dd>", escape(value));
     }
-    for warning in &plan.warnings {
+    for warning in warnings {
         let _ = writeln!(out, "<dt>warning</dt><dd>{}</dd>", escape(warning));
     }
     out.push_str("</dl>\n</section>\n");
 }
 
 /// A table; cells are HTML already.
-fn table<const N: usize>(out: &mut String, head: [&str; N], rows: impl Iterator<Item = [String; N]>) {
+pub(super) fn table<const N: usize>(out: &mut String, head: [&str; N], rows: impl Iterator<Item = [String; N]>) {
     out.push_str("<table>\n<tr>");
     for cell in head {
         let _ = write!(out, "<th>{}</th>", escape(cell));
@@ -126,8 +137,8 @@ fn table<const N: usize>(out: &mut String, head: [&str; N], rows: impl Iterator<
     out.push_str("</table>\n");
 }
 
-fn margins(out: &mut String, plan: &v1::MovePlan, robot: &v1::Robot) {
-    if plan.torque_margins.is_empty() {
+pub(super) fn margins(out: &mut String, margins: &[v1::TorqueMargin], robot: &v1::Robot) {
+    if margins.is_empty() {
         return;
     }
     out.push_str("<section>\n<h2>Torque margins</h2>\n");
@@ -144,7 +155,7 @@ fn margins(out: &mut String, plan: &v1::MovePlan, robot: &v1::Robot) {
         "motor speed",
         "power",
     ];
-    let rows = plan.torque_margins.iter().map(|margin| {
+    let rows = margins.iter().map(|margin| {
         let unit = Units::default().of(robot, &margin.joint).torque;
         let used = 100.0 * (1.0 - margin.margin);
         let (over, class) = if margin.margin < 0.0 {

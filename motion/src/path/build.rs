@@ -11,6 +11,7 @@ use super::fault::{Fault, infeasible};
 use super::inverse::Followers;
 use super::outcome::{PathInfeasible, PathInfeasibleReason};
 use super::passage::Passage;
+use super::range::Ranges;
 use super::request::{Blend, PathRequest, Segment, Shape, Space, SplineKind};
 use super::stroke::Stroke;
 use super::taught::Teacher;
@@ -91,6 +92,10 @@ fn program(robot: &Robot, tcp: &Isometry3<f64>, request: &PathRequest, budget: &
         program.continuity = 2;
     }
     program.strokes = strokes(&teacher, chain, mixes);
+    let ranges = Ranges::new(robot, request);
+    for stroke in &program.strokes {
+        ranges.check(stroke, budget)?;
+    }
     Ok(program)
 }
 

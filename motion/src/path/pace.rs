@@ -2,7 +2,7 @@
 
 use super::track::Joints;
 use crate::jet::Jet;
-use crate::tolerance::GOLDEN_ROUNDS;
+use crate::tolerance::{GOLDEN_ROUNDS, VALLEY_MAX};
 
 /// ∫ max_j |q′_j|/V_j du: how long the curve takes where the joint that is nearest to its speed limit is just at it.
 pub(super) fn normal_length(end: f64, speeds: &[f64], samples: usize, at: impl Fn(Jet, &mut Joints)) -> f64 {
@@ -34,13 +34,14 @@ pub(super) fn slowest(length: f64, samples: usize, speeds: &[f64], at: impl Fn(f
     let step = length / samples as f64;
     let paces: Vec<f64> = (0..=samples).map(|i| pace_at(step * i as f64)).collect();
     let mut least = (f64::INFINITY, 0.0);
-    for i in 0..=samples {
-        if paces[i] < least.0 {
-            least = (paces[i], step * i as f64);
+    for (i, pace) in paces.iter().enumerate() {
+        if *pace < least.0 {
+            least = (*pace, step * i as f64);
         }
     }
     for i in 1..samples {
-        if paces[i] <= paces[i - 1] && paces[i] <= paces[i + 1] {
+        let valley = paces[i] <= paces[i - 1] && paces[i] <= paces[i + 1];
+        if valley && paces[i] < VALLEY_MAX {
             let (low, high) = (step * (i - 1) as f64, step * (i + 1) as f64);
             let valley = golden(&mut pace_at, low, high, GOLDEN_ROUNDS);
             if valley.0 < least.0 {

@@ -130,14 +130,6 @@ impl Track {
         }
     }
 
-    /// Whether it runs from one pose of the joints straight to another.
-    pub(super) fn is_straight(&self) -> bool {
-        match &self.geometry {
-            Geometry::Joints(curve) => curve.is_straight(),
-            Geometry::Tool(_) => false,
-        }
-    }
-
     /// Length of the tool's way between two values of u, m: chords between knots, extrapolated once (their error goes
     /// with the square of the step).
     pub(super) fn tool_way(&self, arm: &Arm, from: f64, to: f64) -> f64 {

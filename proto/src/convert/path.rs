@@ -5,5 +5,5 @@ mod request;
 
 pub use self::{
     outcome::{SetpointsOf, outcome_to_wire},
-    request::{SEGMENTS_MAX, path_request},
+    request::path_request,
 };

@@ -357,7 +357,7 @@ fn curves() -> Vec<Row> {
         ),
         spline(
             "of too many points",
-            |s| s.points = vec![Target::default(); 10_001],
+            |s| s.points = vec![Target::default(); 2001],
             &["segments[1].spline.points"],
         ),
         spline("kind unspecified", |s| s.kind = Some(0), &["segments[1].spline.kind"]),

@@ -5,7 +5,7 @@
 //! constant jerk holds, is linear in powers of its one number a₁: eight samples of each bound a₁ from above.
 
 use super::basis::Basis;
-use super::certificate::Certificate;
+use super::certificate::{Certificate, inside};
 use super::fold::Sample;
 use super::interior::Problem;
 use super::profile::Profile;
@@ -114,7 +114,7 @@ impl Kinds {
 }
 
 impl Level {
-    /// Over nodes, of which the `fixed` ones have a sample on each side.
+    /// Over nodes; `fixed` places have a sample on each side, nodes or not.
     ///
     /// # Errors
     /// [`Stopped`], when nobody waits any more.
@@ -144,8 +144,14 @@ impl Level {
                 places.push(after(low));
                 parts.push((interval, 0.0));
             }
-            places.push(before(0.5 * (low + high)));
-            parts.push((interval, 0.5));
+            // both sides of what was too close to another node to be one, too
+            let close = inside(fixed, &[low, high]).iter().flat_map(|s| [before(*s), after(*s)]);
+            let mut inner: Vec<Place> = close.chain([before(0.5 * (low + high))]).collect();
+            inner.sort_by(|a, b| a.s.total_cmp(&b.s));
+            for place in inner {
+                parts.push((interval, (place.s - low) / (high - low)));
+                places.push(place);
+            }
             node_samples.push(parts.len());
             places.push(before(high));
             parts.push((interval, 1.0));

@@ -1,7 +1,7 @@
 //! A robot program, read segment by segment.
 
 use takt_motion::{
-    POSITION_MAX,
+    POSITION_MAX, SEGMENTS_MAX, SPLINE_POINTS_MAX,
     nalgebra::{Isometry3, Vector3},
     path::request::{
         Arc, ArcOrientation, Blend, Circle, Extent, OnExcess, PathRequest, Segment, Shape, Space, Spline, SplineKind,
@@ -15,9 +15,6 @@ use crate::{
     convert::{Findings, Path, SMALLEST, plan, quoted, robot, robot::LENGTH_MAX},
     v1,
 };
-
-/// Most segments of a program, and most points of a spline: far above what is taught, far below what exhausts a server.
-pub const SEGMENTS_MAX: usize = 10_000;
 
 /// Longest dwell, s: an hour.
 const DWELL_MAX: f64 = 3600.0;
@@ -314,10 +311,11 @@ impl Reader<'_> {
         if points.is_empty() {
             findings.push(points_at, "must have at least one entry");
         }
-        if points.len() > SEGMENTS_MAX {
+        if points.len() > SPLINE_POINTS_MAX {
+            let count = points.len();
             findings.push(
                 points_at,
-                format!("has {} entries, the most is {SEGMENTS_MAX}", points.len()),
+                format!("has {count} entries, the most is {SPLINE_POINTS_MAX}"),
             );
             points.clear();
         }

@@ -22,6 +22,7 @@ const DURATION_WITHOUT_TORQUE: f64 = 0.917_186;
 /// 3.14 rad/s, 150 rad/s², 600 rad/s³, and half of the peak torques: 75 N m of the first three joints, 14 N m of the others.
 const DURATION_WITH_TORQUE: f64 = 0.761_609;
 
+#[allow(clippy::approx_constant, reason = "the limit that the other solver was given")]
 fn limits([acceleration, jerk]: [f64; 2], torques: Option<[f64; 6]>) -> Limits {
     let joint = |joint: usize| JointLimits {
         velocity: Some(3.14),

@@ -1,0 +1,153 @@
+//! `takt setpoints`.
+
+use clap::Args;
+use takt_client::{
+    Client,
+    v1::{self, plan_move_response, plan_path_response, setpoints_header::Answer, stream_setpoints_request::Motion},
+};
+
+use super::context;
+use crate::{
+    exit,
+    failure::Failure,
+    files,
+    io::Io,
+    numbers::{self, JointValues},
+    render::{csv, infeasible, path},
+};
+
+/// Streams the set-points of a move or a program, as CSV or JSON lines, from the moment its plan is verified.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  takt setpoints ur5e --from 0,-90deg,0,0,0,0 --to 1,-1,1,0,0,0 --sample-period 4ms
+  takt setpoints ur5e --program examples/welding_seam.yaml --sample-period 4ms | to-the-controller
+  takt setpoints ur5e --program move.json --sample-period 1ms --json        a header, then chunks, one a line
+
+What reads slowly slows the stream down: nothing piles up. A reader that stops early ends it.
+
+Exit code 3: the motion is infeasible; the evidence is on standard error.")]
+pub(crate) struct SetpointsArgs {
+    /// The robot.
+    robot_id: String,
+    /// Joint positions to start from, in model order: rad or m, or with a unit (90deg, 5mm).
+    #[arg(
+        long,
+        value_name = "Q1,Q2,…",
+        required_unless_present = "program",
+        allow_hyphen_values = true
+    )]
+    from: Option<JointValues>,
+    /// Joint positions to end at.
+    #[arg(
+        long,
+        value_name = "Q1,Q2,…",
+        required_unless_present = "program",
+        allow_hyphen_values = true
+    )]
+    to: Option<JointValues>,
+    /// A program, or the request of a move, in YAML, TOML or JSON; - for standard input.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["from", "to"])]
+    program: Option<String>,
+    /// Time between set-points, as in 4ms. Default: the program's.
+    #[arg(long, value_name = "TIME", value_parser = numbers::seconds)]
+    sample_period: Option<f64>,
+    /// Most set-points of one chunk, 1 to 200.
+    #[arg(long, value_name = "COUNT")]
+    chunk: Option<u32>,
+    /// Print the parts of the stream as they are, one a line.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) async fn run(args: SetpointsArgs, client: &Client, io: &mut Io) -> Result<u8, Failure> {
+    let request = v1::StreamSetpointsRequest {
+        robot_id: args.robot_id.clone(),
+        motion: Some(motion(&args, io)?),
+        sample_period_s: args.sample_period,
+        chunk_points: args.chunk,
+    };
+    let mut stream = client.stream_setpoints(request).await?;
+    let header = stream.header().clone();
+    let refusal = refusal(&args, &header, client, io).await?;
+    if args.json {
+        print_line(&header, io)?;
+    }
+    if let Some(text) = refusal {
+        io.remark(text.trim_end())?;
+        return Ok(exit::NO);
+    }
+    let mut is_first = true;
+    while let Some(chunk) = stream.next().await? {
+        let is_written = if args.json {
+            io.pass(&line(&chunk)?)?
+        } else {
+            let setpoints = chunk.setpoints.unwrap_or_default();
+            let head = if is_first { csv::head(&setpoints) } else { String::new() };
+            io.pass(&(head + &csv::rows(&setpoints)))?
+        };
+        if !is_written {
+            break;
+        }
+        is_first = false;
+    }
+    Ok(exit::OK)
+}
+
+fn motion(args: &SetpointsArgs, io: &mut Io) -> Result<Motion, Failure> {
+    if let Some(file) = &args.program {
+        let text = files::read(file, io)?;
+        return match files::has_key(file, &text, "segments") {
+            true => files::message(file, &text).map(Motion::Path),
+            false => files::message(file, &text).map(Motion::Move),
+        };
+    }
+    let position = |values: &Option<JointValues>| {
+        let values = values.as_ref();
+        values.map(|values| v1::JointPosition {
+            position: context::si(values, false, None),
+        })
+    };
+    Ok(Motion::Move(v1::PlanMoveRequest {
+        start: position(&args.from),
+        target: position(&args.to),
+        ..Default::default()
+    }))
+}
+
+/// The evidence, where the motion is infeasible.
+async fn refusal(
+    args: &SetpointsArgs,
+    header: &v1::SetpointsHeader,
+    client: &Client,
+    io: &Io,
+) -> Result<Option<String>, Failure> {
+    let colour = io.terminal.error_colour;
+    match &header.answer {
+        Some(Answer::Move(v1::PlanMoveResponse {
+            outcome: Some(plan_move_response::Outcome::Infeasible(no)),
+            ..
+        })) => {
+            let robot = context::robot(client, &args.robot_id, None).await?;
+            Ok(Some(infeasible::evidence(no, &robot, colour)))
+        }
+        Some(Answer::Path(v1::PlanPathResponse {
+            outcome: Some(plan_path_response::Outcome::Infeasible(no)),
+            ..
+        })) => {
+            let robot = context::robot(client, &args.robot_id, None).await?;
+            Ok(Some(path::evidence(no, &robot, colour)))
+        }
+        _ => Ok(None),
+    }
+}
+
+fn line<M: serde::Serialize>(part: &M) -> Result<String, Failure> {
+    let text = serde_json::to_string(part);
+    let text = text.map_err(|error| Failure::service(format!("a part cannot be written as JSON: {error}")))?;
+    Ok(text + "\n")
+}
+
+fn print_line<M: serde::Serialize>(part: &M, io: &mut Io) -> Result<(), Failure> {
+    io.print(&line(part)?)
+}
