@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use programs::Trial;
 use robots::Example;
 use takt_checker::path::report::{FaultKind, PathReport};
-use takt_checker::recheck_path;
+use takt_checker::{Density, recheck_path};
 use takt_motion::budget::Budget;
 use takt_motion::path::outcome::{PathLimit, PathOutcome, PathPlan};
 use takt_motion::path::plan_path;
@@ -136,6 +136,10 @@ fn limits_lowered_by_a_thousandth_are_found_broken() {
     let robots = robots::all();
     let mut seen = 0;
     for (mut trial, plan) in plans(&robots, 12, programs::FINE) {
+        // A plan that is stretched to whole cycles may keep every limit with more than that to spare.
+        if trial.density == Density::Coarse {
+            continue;
+        }
         let request = &mut trial.request;
         for scale in [
             &mut request.torque_utilization,
@@ -149,12 +153,10 @@ fn limits_lowered_by_a_thousandth_are_found_broken() {
             limit.peak_torque = limit.peak_torque.map(|peak| 0.999 * peak);
         }
         let report = recheck(&trial, &plan);
-        assert!(
-            report.violations().next().is_some(),
-            "{request:#?}",
-            request = trial.request
-        );
+        assert!(report.violations().next().is_some(), "{:#?}", trial.request);
+        seen += 1;
     }
+    assert!(seen >= 6, "{seen} plans");
 }
 
 #[test]
