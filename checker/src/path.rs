@@ -3,7 +3,7 @@
 //! What a robot is given are positions, velocities, accelerations and torques at times; what made them counts for
 //! nothing here. So:
 //!
-//! - at every set-point ([`states`](self)): torque by the checker's own dynamics, the tool by its own kinematics, and
+//! - at every set-point: torque by the checker's own dynamics, the tool by its own kinematics, and
 //!   both, with speed, acceleration and position, against the limits of the segment that the set-point is on;
 //! - between set-points: with `h` from one to the next,
 //!

@@ -26,8 +26,8 @@ pub(super) fn check(case: &Case<'_>, report: &mut PathReport) {
         let place = tolerance::POSITION_ROUNDING * largest(q).max(1.0);
         let speed = tolerance::RATE_ROUNDING * largest(qd);
         let everywhere = [lowest(qdd), highest(qdd)];
-        let jerks = case.bounds.iter().map(|bounds| bounds.joints[joint].jerk);
-        let bend = match jerks.fold(Some(0.0), |most: Option<f64>, jerk| Some(most?.max(jerk?))) {
+        let mut jerks = case.bounds.iter().map(|bounds| bounds.joints[joint].jerk);
+        let bend = match jerks.try_fold(0.0, |most: f64, jerk| Some(most.max(jerk?))) {
             Some(jerk) => step * jerk,
             None => tolerance::BLIP * (everywhere[1] - everywhere[0]),
         };

@@ -178,17 +178,17 @@ fn rest(case: &Case<'_>, index: usize, stop: usize, until: f64, report: &mut Pat
             .iter()
             .fold(0.0, |most: f64, rate| most.max(rate.abs()));
         let held = columns.position[stop];
-        for at in stop..times.len() {
-            if at > stop && times[at] > until + slack {
+        for (at, time) in times.iter().enumerate().skip(stop) {
+            if at > stop && *time > until + slack {
                 break;
             }
             let rate = columns.velocity[at].abs();
             if rate > tolerance::REST * fastest {
-                report.fault(FaultKind::Rest, index, times[at], rate, 0.0);
+                report.fault(FaultKind::Rest, index, *time, rate, 0.0);
             }
             let q = columns.position[at];
             if (q - held).abs() > tolerance::ARRIVAL * held.abs().max(1.0) {
-                report.fault(FaultKind::Rest, joint, times[at], q, held);
+                report.fault(FaultKind::Rest, joint, *time, q, held);
             }
         }
     }

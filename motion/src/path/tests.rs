@@ -7,3 +7,4 @@ mod plan;
 mod spline;
 mod support;
 mod tool;
+mod verified;
