@@ -1,6 +1,6 @@
 mod arc;
-mod hostile;
 mod constant;
+mod hostile;
 mod joint;
 mod mixed;
 mod plan;
