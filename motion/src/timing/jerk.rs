@@ -80,9 +80,8 @@ pub(crate) fn jerk_limited(task: &Task<'_>, budget: &Budget<'_>) -> Result<Resul
     Solver::new(&coarse.problem).improve(&coarse.problem, &mut x, &COLD, budget)?;
 
     let profile = coarse.profile(&x);
-    let Some(nodes) = nodes::respread(&profile, &apart, task.intervals.max(JERK_INTERVALS_MIN)) else {
-        return Ok(Err(Obstacle::NO_TIMING));
-    };
+    let intervals = task.intervals.max(JERK_INTERVALS_MIN);
+    let nodes = nodes::respread(&profile, &apart, intervals).unwrap_or_else(|| nodes::even(&apart, intervals));
     let mut fine = match Level::new(task, nodes, &fixed, budget)? {
         Ok(level) => level,
         Err(obstacle) => return Ok(Err(obstacle)),
