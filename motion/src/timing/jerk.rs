@@ -40,7 +40,8 @@ use certificate::Certificate;
 use interior::{Accuracy, Solver};
 use level::Level;
 
-/// Part of every limit that the first profile of a solve uses: from nothing, from a coarser grid, after tightening.
+/// Part of every limit that the first profile of a solve uses: from nothing, from a coarser grid, after tightening. The
+/// nearer it is to the end, the less room its slacks need.
 const START_COLD: f64 = 0.6;
 const START_PROLONGED: f64 = 0.95;
 const START_AGAIN: f64 = 0.98;
