@@ -216,3 +216,7 @@ pub(crate) const JERK_NODES_APART: f64 = 1.0e-4;
 pub(crate) const JERK_INTERVALS_RATIO: f64 = 4.0;
 /// The same where a speed at an end is given, so that slowing down evenly is no way out.
 pub(crate) const TIGHTEN_ROUNDS_MOVING: usize = 12;
+
+/// How often a path that no timing was found for is tried on a grid twice as fine: with speeds given at its ends, what is
+/// between the samples of a coarse one can be too much for tightening.
+pub(crate) const FINER_GRIDS: usize = 2;

@@ -191,3 +191,32 @@ fn a_timing_stops_when_nobody_waits() {
         assert_eq!(optimal(&task, &Budget::until(&stop)), Err(crate::budget::Stopped));
     }
 }
+
+/// Only the last joint turns, about an axis through the tool: limits of the tool's point have nothing to bound.
+#[test]
+fn a_tool_that_turns_on_the_spot_is_not_bound_by_the_limits_of_its_point() {
+    let arm = ur5e();
+    let curve = Polynomials::new(
+        (0..6)
+            .map(|joint| vec![0.3, if joint == 5 { 1.0 } else { 0.0 }])
+            .collect(),
+        1.0,
+    );
+    let duration = |tool: Option<f64>| {
+        let limits = Limits::uniform(Stretch {
+            tool_velocity: tool,
+            tool_acceleration: tool,
+            ..own_limits(&arm)
+        });
+        let task = Task {
+            robot: &arm,
+            tcp: &Isometry3::identity(),
+            curve: &curve,
+            limits: &limits,
+            end_speeds: [0.0; 2],
+            intervals: 100,
+        };
+        optimal(&task, &Budget::unlimited()).unwrap().unwrap().law.duration()
+    };
+    assert_eq!(duration(Some(1e-3)), duration(None));
+}
