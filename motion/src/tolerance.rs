@@ -538,3 +538,6 @@ pub(crate) const PIECE_SAMPLES: usize = 8;
 
 /// Points of a path that are computed between two looks at the budget: under a millisecond of inverse kinematics.
 pub(crate) const BUDGET_STRIDE: usize = 64;
+/// How often a path that no timing was found for is tried on a grid twice as fine: with speeds given at its ends, what is
+/// between the samples of a coarse one can be too much for tightening.
+pub(crate) const FINER_GRIDS: usize = 2;

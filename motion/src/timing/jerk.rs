@@ -40,7 +40,8 @@ use certificate::Certificate;
 use interior::{Accuracy, Solver};
 use level::Level;
 
-/// Part of every limit that the first profile of a solve uses: from nothing, from a coarser grid, after tightening.
+/// Part of every limit that the first profile of a solve uses: from nothing, from a coarser grid, after tightening. The
+/// nearer it is to the end, the less room its slacks need.
 const START_COLD: f64 = 0.6;
 const START_PROLONGED: f64 = 0.95;
 const START_AGAIN: f64 = 0.98;
@@ -80,9 +81,8 @@ pub(crate) fn jerk_limited(task: &Task<'_>, budget: &Budget<'_>) -> Result<Resul
     Solver::new(&coarse.problem).improve(&coarse.problem, &mut x, &COLD, budget)?;
 
     let profile = coarse.profile(&x);
-    let Some(nodes) = nodes::respread(&profile, &apart, task.intervals.max(JERK_INTERVALS_MIN)) else {
-        return Ok(Err(Obstacle::NO_TIMING));
-    };
+    let intervals = task.intervals.max(JERK_INTERVALS_MIN);
+    let nodes = nodes::respread(&profile, &apart, intervals).unwrap_or_else(|| nodes::even(&apart, intervals));
     let mut fine = match Level::new(task, nodes, &fixed, budget)? {
         Ok(level) => level,
         Err(obstacle) => return Ok(Err(obstacle)),
