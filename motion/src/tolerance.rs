@@ -541,3 +541,5 @@ pub(crate) const BUDGET_STRIDE: usize = 64;
 /// How often a path that no timing was found for is tried on a grid twice as fine: with speeds given at its ends, what is
 /// between the samples of a coarse one can be too much for tightening.
 pub(crate) const FINER_GRIDS: usize = 2;
+/// How far a sample's time may be from a stop to be the stop's, as part of the duration: some roundings of both.
+pub(crate) const SAMPLE_AT_STOP: f64 = 1.0e-13;
