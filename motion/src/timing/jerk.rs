@@ -8,10 +8,10 @@
 //! tool           |p′·b + p″·a| ≤ A_tool        speeds     a ≤ a_max            minimise ∫ ds/√a
 //! ```
 //!
-//! (Verscheure et al. 2009 for the form; Debrouwere et al. 2013 for jerk as a difference of convex functions.) a(s) is a
-//! cubic spline between two laws of constant jerk at rest ([`basis`], [`rest`]), its coefficients found by an interior
-//! point of three bands ([`interior`]) whose every iterate obeys the limits at the samples. A coarse grid first; its
-//! solution says where the fine one has its nodes. What the fine solution exceeds between samples
+//! (Verscheure et al. 2009 for the form; Debrouwere et al. 2013 for jerk as a difference of convex functions.) a(s) is
+//! a cubic spline between two laws of constant jerk at rest ([`basis`], [`rest`]), its coefficients found by an
+//! interior point of three bands ([`interior`]) whose every iterate obeys the limits at the samples. A coarse grid
+//! first; its solution says where the fine one has its nodes. What the fine solution exceeds between samples
 //! ([`certificate`]) tightens the limits there for another solve; the little that is left then is slowed down evenly.
 
 mod band;
