@@ -50,9 +50,9 @@ mod verify;
 
 pub use error::Invalid;
 pub use nalgebra;
+#[doc(hidden)]
+pub use timing::measured;
 pub use tolerance::{
     BEZIER_POINTS_MAX, DURATION_MAX, POSITION_MAX, SEGMENTS_MAX, SETPOINTS_MAX, SPLINE_POINTS_MAX, TARGETS_MAX,
     TRAJECTORY_POINTS_MAX, TRAVEL_MAX,
 };
-#[doc(hidden)]
-pub use timing::measured;
