@@ -381,9 +381,12 @@ fn blend(wire: v1::Blend, default: Space, at: Path<'_>, findings: &mut Findings)
             findings.push(fraction_at, format!("{fraction} must be below 1"));
         }
         Extent::Fraction(findings.fraction(fraction_at, Some(fraction.min(1.0))))
+    } else if !lengths {
+        // Stands for what is missing, as the finding says.
+        Extent::Fraction(1.0)
     } else {
         let mut length = |name: &'static str, value: Option<f64>| {
-            if value.is_none() && lengths {
+            if value.is_none() {
                 findings.push(at.field(name), "must be given too");
             }
             findings.positive_option(at.field(name), value, "").unwrap_or(0.0)
