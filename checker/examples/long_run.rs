@@ -17,16 +17,16 @@
 
 #[path = "common/robots.rs"]
 mod robots;
+#[path = "common/runs.rs"]
+mod runs;
 
 use std::collections::BTreeMap;
-use std::fs::{self, OpenOptions};
-use std::io::Write;
 use std::ops::Range;
 use std::process::ExitCode;
-use std::sync::Mutex;
 use std::time::Instant;
 
 use robots::Example;
+use runs::{Arguments, Part};
 use serde::{Deserialize, Serialize};
 use takt_checker::draw::{self, Draw};
 use takt_checker::{Arm, Bounds, Checker, Grid, Move, Report};
@@ -78,100 +78,18 @@ struct Tally {
     digest: u64,
 }
 
-struct Arguments {
-    seeds: Range<u64>,
-    threads: usize,
-    file: Option<String>,
-}
-
 fn main() -> ExitCode {
     if let Some(seed) = std::env::args().nth(1).and_then(|seed| seed.parse().ok()) {
         return show(&robots::all(), seed);
     }
-    let Some(arguments) = Arguments::read(std::env::args().skip(1)) else {
+    let Some(arguments) = Arguments::read(std::env::args().skip(1), CHUNK) else {
         println!("usage: long_run FROM..TO [--threads N] [--file PATH], or long_run SEED; FROM is whole thousands");
         return ExitCode::from(2);
     };
-    let mut sum = Tally::default();
-    let mut done: Vec<u64> = Vec::new();
-    for part in arguments.file.iter().flat_map(|file| read_parts(file)) {
-        done.push(part.from);
-        sum.add(&part);
-    }
-    let chunks = (arguments.seeds.start..arguments.seeds.end)
-        .step_by(CHUNK as usize)
-        .filter(|from| !done.contains(from));
-    let chunks = Mutex::new(chunks);
     let robots = robots::all();
-    let began = Instant::now();
-    let total = Mutex::new((sum, arguments.file.as_deref()));
-    std::thread::scope(|scope| {
-        for _ in 0..arguments.threads {
-            scope.spawn(|| {
-                loop {
-                    let next = chunks.lock().expect("no thread fails").next();
-                    let Some(from) = next else { break };
-                    let part = run(&robots, from..(from + CHUNK).min(arguments.seeds.end));
-                    let (sum, file) = &mut *total.lock().expect("no thread fails");
-                    sum.add(&part);
-                    if let Some(file) = file {
-                        append(file, &part);
-                    }
-                    if (sum.moves / CHUNK).is_multiple_of(50) {
-                        println!(
-                            "{} moves, {} violations, {:.0} s",
-                            sum.moves,
-                            sum.violations.len(),
-                            began.elapsed().as_secs_f64()
-                        );
-                    }
-                }
-            });
-        }
-    });
-    let (sum, _) = total.into_inner().expect("no thread failed");
+    let sum = runs::run(&arguments, CHUNK, |seeds| run(&robots, seeds));
     sum.print();
     ExitCode::from(u8::from(!sum.violations.is_empty()))
-}
-
-impl Arguments {
-    fn read(mut arguments: impl Iterator<Item = String>) -> Option<Self> {
-        let range = arguments.next()?;
-        let (from, to) = range.split_once("..")?;
-        let mut read = Self {
-            seeds: from.parse().ok()?..to.parse().ok()?,
-            threads: 1,
-            file: None,
-        };
-        while let Some(name) = arguments.next() {
-            let value = arguments.next()?;
-            match name.as_str() {
-                "--threads" => read.threads = value.parse().ok()?,
-                "--file" => read.file = Some(value),
-                _ => return None,
-            }
-        }
-        // Chunks begin at the same seeds in every run, or a file could hold one twice.
-        read.seeds.start.is_multiple_of(CHUNK).then_some(read)
-    }
-}
-
-fn read_parts(file: &str) -> Vec<Tally> {
-    let text = fs::read_to_string(file).unwrap_or_default();
-    // A last line that was cut off is of a chunk that will be done again.
-    text.lines()
-        .filter_map(|line| serde_json::from_str(line).ok())
-        .collect()
-}
-
-fn append(file: &str, part: &Tally) {
-    let line = serde_json::to_string(part).expect("a tally is JSON");
-    let mut file = OpenOptions::new()
-        .create(true)
-        .append(true)
-        .open(file)
-        .expect("the file can be written");
-    writeln!(file, "{line}").expect("the file can be written");
 }
 
 /// The move of one seed, and everything that is known of it. Fails where it exceeds a limit.
@@ -337,32 +255,6 @@ impl Tally {
         }
     }
 
-    fn add(&mut self, part: &Self) {
-        self.moves += part.moves;
-        self.states += part.states;
-        for (sum, seconds) in self.seconds.iter_mut().zip(part.seconds) {
-            *sum += seconds;
-        }
-        for (key, count) in &part.plans {
-            *self.plans.entry(key.clone()).or_default() += count;
-        }
-        for (key, count) in &part.refused {
-            *self.refused.entry(key.clone()).or_default() += count;
-        }
-        for (key, found) in &part.worst {
-            let worst = self.worst.entry(key.clone()).or_insert(*found);
-            if found.0 > worst.0 {
-                *worst = *found;
-            }
-        }
-        self.resolution = self.resolution.max(part.resolution);
-        if part.understated.0 > self.understated.0 {
-            self.understated = part.understated;
-        }
-        self.violations.extend(part.violations.iter().cloned());
-        self.digest = self.digest.wrapping_add(part.digest);
-    }
-
     fn print(&self) {
         println!(
             "\n{} moves, {:.0} million states rechecked",
@@ -396,6 +288,42 @@ impl Tally {
         for violation in &self.violations {
             println!("  {violation}");
         }
+    }
+}
+
+impl Part for Tally {
+    fn begin(&self) -> u64 {
+        self.from
+    }
+
+    fn progress(&self) -> (u64, usize) {
+        (self.moves, self.violations.len())
+    }
+
+    fn add(&mut self, part: &Self) {
+        self.moves += part.moves;
+        self.states += part.states;
+        for (sum, seconds) in self.seconds.iter_mut().zip(part.seconds) {
+            *sum += seconds;
+        }
+        for (key, count) in &part.plans {
+            *self.plans.entry(key.clone()).or_default() += count;
+        }
+        for (key, count) in &part.refused {
+            *self.refused.entry(key.clone()).or_default() += count;
+        }
+        for (key, found) in &part.worst {
+            let worst = self.worst.entry(key.clone()).or_insert(*found);
+            if found.0 > worst.0 {
+                *worst = *found;
+            }
+        }
+        self.resolution = self.resolution.max(part.resolution);
+        if part.understated.0 > self.understated.0 {
+            self.understated = part.understated;
+        }
+        self.violations.extend(part.violations.iter().cloned());
+        self.digest = self.digest.wrapping_add(part.digest);
     }
 }
 

@@ -97,6 +97,6 @@ pub const fn path_claim(kind: PathLimit) -> f64 {
     }
 }
 
-/// What a mean acceleration over a step may be beyond its neighbours', as part of the range of all: a jump there and back
-/// within a step.
-pub const BLIP: f64 = 1e-3;
+/// What a mean acceleration over a step may be beyond its neighbours', as part of the range of all, where no jerk limit
+/// says more: a jump there and back within a hundredth of the step.
+pub const BLIP: f64 = 1e-2;

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use programs::Trial;
 use robots::Example;
 use takt_checker::path::report::{FaultKind, PathReport};
-use takt_checker::recheck_path;
+use takt_checker::{Density, recheck_path};
 use takt_motion::budget::Budget;
 use takt_motion::path::outcome::{PathLimit, PathOutcome, PathPlan};
 use takt_motion::path::plan_path;
@@ -85,4 +85,94 @@ fn scara_keeps_every_limit() {
 #[test]
 fn ur5e_keeps_every_limit() {
     check(3, 50);
+}
+
+/// The first plans of the programs whose jerk is not limited, all robots in turn.
+fn plans(robots: &[Example], count: usize, fine: usize) -> Vec<(Trial<'_>, Box<PathPlan>)> {
+    let trials = (0..).map(|seed| programs::of_seed(robots, seed, fine));
+    let planned = trials.filter(|trial| !trial.request.limit_jerk).filter_map(|trial| {
+        let plan = plan(trial.example, &trial.request).ok()?;
+        Some((trial, plan))
+    });
+    planned.take(count).collect()
+}
+
+#[test]
+fn plans_sped_up_by_one_per_cent_are_found() {
+    let robots = robots::all();
+    for (trial, mut plan) in plans(&robots, 12, FINE) {
+        let setpoints = &mut plan.setpoints.as_mut().expect("set-points were asked for").samples;
+        for time in &mut setpoints.time {
+            *time /= 1.01;
+        }
+        for joint in &mut setpoints.joints {
+            joint.velocity.iter_mut().for_each(|rate| *rate *= 1.01);
+            joint.acceleration.iter_mut().for_each(|rate| *rate *= 1.01 * 1.01);
+        }
+        let report = recheck(&trial, &plan);
+        assert!(report.violations().next().is_some(), "{:#?}", trial.request);
+    }
+}
+
+#[test]
+fn a_set_point_nudged_is_found() {
+    let robots = robots::all();
+    for (trial, mut plan) in plans(&robots, 12, FINE) {
+        let joints = &mut plan
+            .setpoints
+            .as_mut()
+            .expect("set-points were asked for")
+            .samples
+            .joints;
+        let middle = joints[0].position.len() / 2;
+        // A tenth of a millimetre at a metre's reach.
+        joints[0].position[middle] += 1e-4;
+        assert!(!recheck(&trial, &plan).holds(), "{:#?}", trial.request);
+    }
+}
+
+#[test]
+fn limits_lowered_by_a_thousandth_are_found_broken() {
+    let robots = robots::all();
+    let mut seen = 0;
+    for (mut trial, plan) in plans(&robots, 12, programs::FINE) {
+        // A plan that is stretched to whole cycles may keep every limit with more than that to spare.
+        if trial.density == Density::Coarse {
+            continue;
+        }
+        let request = &mut trial.request;
+        for scale in [
+            &mut request.torque_utilization,
+            &mut request.speed_scale,
+            &mut request.acceleration_scale,
+        ] {
+            *scale *= 0.999;
+        }
+        let own = request.segments.iter_mut().flat_map(|segment| &mut segment.limits);
+        for limit in request.limits.iter_mut().chain(own) {
+            limit.peak_torque = limit.peak_torque.map(|peak| 0.999 * peak);
+        }
+        let report = recheck(&trial, &plan);
+        assert!(report.violations().next().is_some(), "{:#?}", trial.request);
+        seen += 1;
+    }
+    assert!(seen >= 6, "{seen} plans");
+}
+
+#[test]
+fn claims_that_are_too_good_are_found() {
+    let robots = robots::all();
+    for (trial, mut plan) in plans(&robots, 12, FINE) {
+        // The tightest limit is seen at the set-points to a thousandth, or a trace of a thousand shows nothing.
+        let told = plan.limit_uses.iter_mut().find(|told| told.kind == PathLimit::Torque);
+        let told = told.expect("torque is limited");
+        told.value *= 0.9;
+        told.margin = (told.limit - told.value.abs()) / told.limit;
+        let report = recheck(&trial, &plan);
+        assert!(
+            report.faults.iter().any(|fault| fault.kind == FaultKind::Use),
+            "{:#?}",
+            trial.request
+        );
+    }
 }

@@ -25,13 +25,12 @@ pub(super) fn check(case: &Case<'_>, report: &mut PathReport) {
         let (q, qd, qdd) = (&columns.position, &columns.velocity, &columns.acceleration);
         let place = tolerance::POSITION_ROUNDING * largest(q).max(1.0);
         let speed = tolerance::RATE_ROUNDING * largest(qd);
-        let jerks = case
-            .bounds
-            .iter()
-            .map(|bounds| bounds.joints[joint].jerk.unwrap_or(0.0));
         let everywhere = [lowest(qdd), highest(qdd)];
-        let blip = tolerance::BLIP * (everywhere[1] - everywhere[0]);
-        let bend = (step * jerks.fold(0.0, f64::max)).max(blip);
+        let jerks = case.bounds.iter().map(|bounds| bounds.joints[joint].jerk);
+        let bend = match jerks.fold(Some(0.0), |most: Option<f64>, jerk| Some(most?.max(jerk?))) {
+            Some(jerk) => step * jerk,
+            None => tolerance::BLIP * (everywhere[1] - everywhere[0]),
+        };
         for next in 1..times.len() {
             let bounds = match case.density {
                 Density::Coarse => {

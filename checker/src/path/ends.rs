@@ -3,7 +3,7 @@
 //! Set-points at a period meet every exact stop, which is on a whole cycle; a trace meets the ends alone for certain.
 
 use nalgebra::{Isometry3, Rotation3};
-use takt_motion::path::request::{Segment, Shape, Target};
+use takt_motion::path::request::{ArcOrientation, Segment, Shape, Target};
 use takt_motion::plan::request::Sampling;
 use takt_motion::robot::spec::RobotSpec;
 
@@ -150,6 +150,10 @@ fn arrival(
     let missed = (found.position - position).norm();
     if missed > tolerance::POSE {
         report.fault(FaultKind::Target, index, time, missed, 0.0);
+    }
+    // A tool that turns with an arc's tangent arrives as that has turned it.
+    if matches!(&segment.shape, Shape::Arc(arc) if arc.orientation == ArcOrientation::Tangent) {
+        return;
     }
     let turned = Rotation3::from_matrix_unchecked(axes.transpose() * found.axes).angle();
     // The arc cosine of the trace sees angles below the root of a rounding as none or as that; the sine sees them.

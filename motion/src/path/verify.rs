@@ -45,6 +45,9 @@ const SPLIT_BEND: f64 = 0.02;
 /// Smallest scale of a joint's acceleration without a limit, as part of the largest of all: below is rounding.
 const SPLIT_FLOOR: f64 = 1.0e-3;
 
+/// Path speed that is rest at an end, as part of the mean speed: the root of a place's rounding.
+const AT_REST: f64 = 1.0e-6;
+
 /// Most times an interval is halved, and most intervals of a block after it: they bound the work.
 const SPLIT_ROUNDS: usize = 8;
 const SPLIT_MOST: usize = 8 * BLOCK;
@@ -586,8 +589,9 @@ impl<'a> Examiner<'a> {
     fn hold(&mut self) {
         let duration = self.timed.law.duration();
         let limits = self.timed.limits;
+        let slow = AT_REST * self.timed.curve.length();
         for (time, side) in [(0.0, Side::After), (duration, Side::Before)] {
-            if self.timed.law.at(time).velocity != 0.0 {
+            if self.timed.law.at(time).velocity * duration > slow {
                 continue;
             }
             self.state.set(self.timed.curve, self.timed.law, time, side);
