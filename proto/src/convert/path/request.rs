@@ -383,7 +383,7 @@ fn blend(wire: v1::Blend, default: Space, at: Path<'_>, findings: &mut Findings)
         Extent::Fraction(findings.fraction(fraction_at, Some(fraction.min(1.0))))
     } else if !lengths {
         // Stands for what is missing, as the finding says.
-        Extent::Fraction(1.0)
+        Extent::Fraction(0.5)
     } else {
         let mut length = |name: &'static str, value: Option<f64>| {
             if value.is_none() {
