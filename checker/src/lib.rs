@@ -11,8 +11,10 @@
 //! - [`recheck`](mod@recheck): a whole move on a dense grid of times, both sides of every switching time included.
 //! - [`report`]: what it finds: the extremes of every joint, and what does not agree.
 //! - [`claims`]: what a plan says of itself, against what was found.
+//! - [`path`]: a timed path, from its set-points alone.
 //! - [`endpoint`]: the end-pose method of JP4358979B2 written a second time, to measure what it lets through.
-//! - [`statistics`], [`draw`]: distributions of excesses, and the random numbers behind them.
+//! - [`statistics`], [`draw`], [`draw_program`]: distributions of excesses, and the random numbers and programs behind
+//!   them.
 //!
 //! SI units throughout: rad, m, s, kg, N m, N. A joint's position is "rad or m", and so are its derivatives; its torque
 //! is "N m or N".
@@ -34,6 +36,6 @@ pub mod tolerance;
 
 pub use arm::{Arm, Workspace};
 pub use bounds::Bounds;
-pub use path::recheck_path;
+pub use path::{Density, recheck_path};
 pub use recheck::{Checker, Grid, Move, recheck};
 pub use report::Report;

@@ -47,11 +47,22 @@ struct Case<'a> {
     /// One a segment.
     bounds: Vec<SegmentBounds>,
     samples: Samples<'a>,
+    density: Density,
 }
 
-/// Checks a plan of `request` for the arm of `spec`.
+/// How dense the set-points of a plan are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Density {
+    /// At some drive's period: between two of them the path may do something of its own.
+    Coarse,
+    /// Dense enough for a straight line between two of them to show all that the path does: ten times the grid that it
+    /// was timed on, or more.
+    Resolving,
+}
+
+/// Checks a plan of `request` for the arm of `spec`, whose set-points are as dense as `density` says.
 #[must_use]
-pub fn recheck_path(spec: &RobotSpec, request: &PathRequest, plan: &PathPlan) -> PathReport {
+pub fn recheck_path(spec: &RobotSpec, request: &PathRequest, plan: &PathPlan, density: Density) -> PathReport {
     let mut report = PathReport::default();
     let Some(samples) = Samples::of(plan, spec.joints.len(), &mut report) else {
         return report;
@@ -63,6 +74,7 @@ pub fn recheck_path(spec: &RobotSpec, request: &PathRequest, plan: &PathPlan) ->
         tool: Tool::new(spec, request.tcp.as_ref()),
         bounds: bounds::of_program(spec, request),
         samples,
+        density,
     };
     report.sample_count = case.samples.len();
     let beyond = |location: &takt_motion::path::outcome::Location| location.segment >= case.bounds.len();

@@ -83,3 +83,20 @@ pub const SAME_LIMIT: f64 = 1e-9;
 
 /// Rounding of a part of a segment.
 pub const PART: f64 = 1e-9;
+
+/// How far a time that a plan computes from a place may be off, s: near a stop the place moves as the square of the time,
+/// and knows it to the root of its own rounding.
+pub const STOP_TIME: f64 = 1e-7;
+
+/// How much more room a plan may promise than was found: the bar itself; of a range, as much of it.
+#[must_use]
+pub const fn path_claim(kind: PathLimit) -> f64 {
+    match kind {
+        PathLimit::PositionLower | PathLimit::PositionUpper => 1e-6,
+        other => path_excess(other),
+    }
+}
+
+/// What a mean acceleration over a step may be beyond its neighbours', as part of the range of all: a jump there and back
+/// within a step.
+pub const BLIP: f64 = 1e-3;

@@ -6,7 +6,8 @@
 //!
 //! Paths are polynomials of degree 5 of every joint, limits the arm's own of speed and torque. `interpolated` is what
 //! toppra does with constraints at both ends of each interval: constraints, passes and duration, nothing looked at in
-//! between. `certified` is what a plan has: a coarse grid, a graded one, and the certificate.
+//! between. `certified` is what a plan has: a coarse grid, a graded one, and the certificate. `jerk_limited` is that under
+//! limits of acceleration and jerk too.
 
 #![allow(clippy::print_stdout, reason = "a program that prints a table")]
 
@@ -15,7 +16,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use serde_json::Value;
-use takt_motion::measured::{Polynomials, certified, interpolated};
+use takt_motion::measured::{Polynomials, certified, interpolated, jerk_limited};
 use takt_motion::robot::Robot;
 use takt_motion::robot::description::{Description, Kinematics};
 
@@ -28,6 +29,11 @@ fn main() {
     for arm in ["ur5e", "fr3"] {
         let robot = read(arm);
         let paths = paths(&robot);
+        for intervals in [200, 500] {
+            measure(&format!("{arm}/jerk_limited_{intervals}"), &paths, |path| {
+                jerk_limited(&robot, path, intervals)
+            });
+        }
         for intervals in [100, 500, 1000] {
             measure(&format!("{arm}/interpolated_{intervals}"), &paths, |path| {
                 interpolated(&robot, path, intervals)

@@ -26,23 +26,18 @@
 #![warn(missing_docs)]
 
 pub mod budget;
-#[allow(dead_code, reason = "the path planner under construction")]
 mod curve;
 pub mod dynamics;
 pub mod error;
-#[allow(dead_code, reason = "the path planner under construction")]
 mod jet;
 pub mod kinematics;
-#[allow(dead_code, unused_imports, reason = "the path planner under construction")]
 pub mod path;
 pub mod plan;
-#[allow(dead_code, unused_imports, reason = "the path planner under construction")]
 pub mod process;
 pub mod robot;
 mod scalar;
 #[cfg(test)]
 mod test_arms;
-#[allow(dead_code, reason = "the path planner under construction")]
 mod timing;
 mod tolerance;
 mod trajectory;

@@ -33,6 +33,7 @@ mod passage;
 mod piecewise;
 mod plan;
 mod problem;
+mod range;
 mod report;
 pub mod request;
 mod sample;

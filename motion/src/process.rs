@@ -30,7 +30,8 @@ use crate::path::outcome::{ConstantSpeedReport, TransitionReport};
 use crate::path::request::Transition;
 use crate::plan::Failure;
 use crate::tolerance::{
-    CYCLE_TIME_MIN, DURATION_MAX, JUMP_ROUNDING, PROCESS_LENGTH_MIN, SEAM_GAP_MAX, TRANSITION_TIME_MIN,
+    CYCLE_TIME_MIN, DURATION_MAX, JUMP_ROUNDING, PROCESS_LENGTH_MIN, PROCESS_SPEED_MAX, SEAM_GAP_MAX,
+    TRANSITION_TIME_MIN,
 };
 
 use geometry::Segment;
@@ -52,6 +53,9 @@ pub(crate) struct ProcessRequest<'a> {
     pub(crate) seam_reach: &'a [Option<f64>],
     /// Largest acceleration of the tool, m/s²: it lowers Vs.
     pub(crate) acceleration: Option<f64>,
+    /// Part of the speed found, in (0, 1], at which the same curve is run: for arms that cannot follow at all of it.
+    /// Every acceleration falls with its square; a lower `speed` would have shorter transitions instead.
+    pub(crate) slow_down: f64,
     /// Δt, s; `None`: nothing is made whole.
     pub(crate) cycle_time: Option<f64>,
     /// Form of the transitions at arcs.
@@ -98,6 +102,14 @@ fn check(request: &ProcessRequest<'_>) -> Result<Vec<Segment>, Vec<Invalid>> {
     least("cycle_time", request.cycle_time, CYCLE_TIME_MIN, "s");
     for (seam, reach) in request.seam_reach.iter().enumerate() {
         least(&format!("seam_reach[{seam}]"), *reach, PROCESS_LENGTH_MIN, "m");
+    }
+    if request.speed > PROCESS_SPEED_MAX {
+        let message = format!("is {} m/s, must be {PROCESS_SPEED_MAX} m/s or less", request.speed);
+        wrong.push(Invalid::new("speed", message));
+    }
+    if !(request.slow_down > 0.0 && request.slow_down <= 1.0) {
+        let message = format!("is {}, must be above 0 and 1 or less", request.slow_down);
+        wrong.push(Invalid::new("slow_down", message));
     }
     if request.segments.is_empty() {
         wrong.push(Invalid::new("segments", "has no segment"));

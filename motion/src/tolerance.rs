@@ -205,8 +205,12 @@ pub(crate) const SEAM_ROUNDING: f64 = 1.0e-9;
 /// where a least value is sought, not the path.
 pub(crate) const PACE_SAMPLES: usize = 32;
 
-/// Steps by which the length of the tool's way is measured: extrapolated chords are true to 1e-6 for a quarter turn.
-pub(crate) const TOOL_LENGTH_SAMPLES: usize = 32;
+/// Panels of Gauss's rule with eight points by which the length of the tool's way on one curve is measured: true to 1e-9 for
+/// a joint move of a full turn.
+pub(crate) const WAY_PANELS: usize = 4;
+
+/// The same on one polynomial of a spline.
+pub(crate) const PIECE_PANELS: usize = 2;
 
 /// Steps from a corner in which the end of a blend is sought before it is bisected.
 pub(crate) const HELPER_SAMPLES: usize = 64;
@@ -235,9 +239,9 @@ pub(crate) const SIGMOID_STEEPNESS_MAX: f64 = 100.0;
 /// Travel below which a segment goes nowhere, rad or m: under any encoder's step, above the rounding of taught points.
 pub(crate) const SEGMENT_MIN: f64 = 1.0e-9;
 
-/// Shortest part that a blend may take of a segment, in seconds at full speed: a hundredth of a fast controller's cycle;
-/// shorter, its third derivatives lose their digits.
-pub(crate) const BLEND_MIN: f64 = 1.0e-5;
+/// Shortest part that a blend may take of a segment, in seconds at full speed: a tenth of a micrometre for a fast arm.
+/// Shorter, the blend's place on a path of hours loses its digits.
+pub(crate) const BLEND_MIN: f64 = 1.0e-7;
 
 /// Least pace of a path, as part of full speed at ṡ = 1. Below it the path turns back on itself and needs a stop; a corner
 /// that only nearly does is that slow at 1e-4 rad from it.
@@ -357,8 +361,9 @@ pub(crate) const IK_GEOMETRY: f64 = 5.0e-3;
 /// The same where the closed form is that of the arm itself, but for rounding.
 pub(crate) const IK_IDEAL: f64 = 1.0e-9;
 
-/// Distance of two axes over the arm's size, or sine between them, below which they meet or are parallel in a closed
-/// form's equations: these divide by its square, which leaves six digits, and Newton steps do the rest.
+/// Distance of two axes over the arm's size below which they meet in a closed form's equations: these divide by its
+/// square, which leaves six digits, and Newton steps do the rest. Nearly parallel axes count as parallel from
+/// [`IK_GEOMETRY`] on, since the feet of their common perpendicular are far away.
 pub(crate) const IK_SEPARATE: f64 = 1.0e-5;
 
 /// Least sine between neighbouring axes of a wrist: below it, half of all rotations are out of reach.
@@ -371,9 +376,6 @@ pub(crate) const IK_CLAMP: f64 = 1.0e-6;
 /// Distance from a turn's axis of what it acts on, over the arm's size, below which its angle is left to the reference:
 /// rounding of a cosine near 1 is an angle of 1e-8.
 pub(crate) const IK_UNDETERMINED: f64 = 1.0e-7;
-
-/// Imaginary part of a root that may be a double real one: the square root of what [`IK_CLAMP`] lets through.
-pub(crate) const IK_NEARLY_REAL: f64 = 1.0e-3;
 
 /// Relative step at which roots of a quartic are found: convergence is cubic, the next one is below rounding.
 pub(crate) const IK_ROOT_ROUNDING: f64 = 1.0e-9;
@@ -444,6 +446,10 @@ pub(crate) const DEVIATION_ROUNDS: usize = 12;
 /// Shortest segment, radius, tolerance and reach at constant speed, m: below what the best arms repeat.
 pub(crate) const PROCESS_LENGTH_MIN: f64 = 1.0e-6;
 
+/// Largest constant tool speed, m/s: a hundred times that of any arm, so that its square stays a number to compute
+/// with.
+pub(crate) const PROCESS_SPEED_MAX: f64 = 1.0e3;
+
 /// Farthest that a segment may begin from where the one before it ends, m: rounding of taught points. A transition
 /// takes it in.
 pub(crate) const SEAM_GAP_MAX: f64 = 1.0e-9;
@@ -460,8 +466,8 @@ pub(crate) const TRANSITION_TIME_LEAST: f64 = 0.01;
 /// Shortest servo cycle, s.
 pub(crate) const CYCLE_TIME_MIN: f64 = 1.0e-6;
 
-/// Acceleration of the tool that transitions are chosen by where nobody says, m/s²: half of gravity's, which arms with a
-/// torch or a nozzle have to spare. It lowers no speed.
+/// Acceleration of the tool that transitions are chosen by where nobody says, m/s²: half of gravity's, which arms with
+/// a torch or a nozzle have to spare. It lowers no speed.
 pub(crate) const TRANSITION_ACCELERATION: f64 = 5.0;
 
 /// Part of a cycle by which a count of cycles may be too large and still be whole: rounding of a quotient.
@@ -500,9 +506,40 @@ pub(crate) const CONSTANT_PARTS_MIN: usize = 16;
 /// tool, so that a turn takes about the time of the way that such a tool's tip makes.
 pub(crate) const TURN_LENGTH: f64 = 0.1;
 
+/// Samples of a path between two of its knots, where its joint ranges are looked at.
+pub(crate) const RANGE_SAMPLES: usize = 16;
+
+/// How near the end of its range a joint must come for its true extreme to be sought, rad or m: more than a cubic between
+/// two samples can miss of it.
+pub(crate) const RANGE_NEAR: f64 = 1.0e-2;
+
+/// How far a joint may be outside its range, rad or m: the rounding of a taught point at the very end of it.
+pub(crate) const RANGE_ROUNDING: f64 = 1.0e-9;
+
+/// Pace at a sample, as part of full speed, above which a path cannot come to a stop before the next: with eight samples
+/// a polynomial that turns back in its middle is passed at a third of full speed at most.
+pub(crate) const VALLEY_MAX: f64 = 0.5;
 /// Fewest intervals of a timing grid between two knots of the path: a blend, where accelerations rise and fall once or
 /// twice, has that many even if it is short.
 pub(crate) const SPAN_INTERVALS_MIN: usize = 8;
 
+/// Knots and borders closer than this part of the path are one node for the jerk solver (both have samples, and both are
+/// checked): its normal equations hold fourth powers of the ratio of path to interval, which leave no digits below.
+pub(crate) const JERK_NODES_APART: f64 = 1.0e-4;
+
+/// How many times as long as its neighbour an interval of the jerk solver's grid may be.
+pub(crate) const JERK_INTERVALS_RATIO: f64 = 4.0;
 /// The same where a speed at an end is given, so that slowing down evenly is no way out.
 pub(crate) const TIGHTEN_ROUNDS_MOVING: usize = 12;
+
+/// Samples of each polynomial of a spline, where a single curve has [`PACE_SAMPLES`]: its pieces are short, so that chords
+/// and means are as true.
+pub(crate) const PIECE_SAMPLES: usize = 8;
+
+/// Points of a path that are computed between two looks at the budget: under a millisecond of inverse kinematics.
+pub(crate) const BUDGET_STRIDE: usize = 64;
+/// How often a path that no timing was found for is tried on a grid twice as fine: with speeds given at its ends, what is
+/// between the samples of a coarse one can be too much for tightening.
+pub(crate) const FINER_GRIDS: usize = 2;
+/// How far a sample's time may be from a stop to be the stop's, as part of the duration: some roundings of both.
+pub(crate) const SAMPLE_AT_STOP: f64 = 1.0e-13;

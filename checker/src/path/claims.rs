@@ -38,7 +38,7 @@ fn locations(case: &Case<'_>, report: &mut PathReport) {
         );
         return;
     }
-    let slack = tolerance::EVEN_TIMES * case.plan.duration;
+    let slack = tolerance::STOP_TIME;
     let all = case.samples.locations().iter().zip(case.samples.times()).enumerate();
     let mut last = (0, 0.0);
     for (index, (location, time)) in all {
@@ -101,7 +101,7 @@ fn uses(case: &Case<'_>, report: &mut PathReport) {
             }
             continue;
         };
-        if tightest > -extreme.excess + tolerance::path_excess(extreme.kind) {
+        if tightest > -extreme.excess + tolerance::path_claim(extreme.kind) {
             report.fault(FaultKind::Use, index, extreme.time, tightest, -extreme.excess);
         }
     }
@@ -122,7 +122,7 @@ fn margins(case: &Case<'_>, report: &mut PathReport) {
         if (told.margin - margin).abs() > tolerance::SAME_LIMIT {
             report.fault(FaultKind::Margin, joint, told.time, told.margin, margin);
         }
-        if told.margin > -found.excess + tolerance::path_excess(PathLimit::Torque) {
+        if told.margin > -found.excess + tolerance::path_claim(PathLimit::Torque) {
             report.fault(FaultKind::Use, joint, found.time, told.margin, -found.excess);
         }
     }

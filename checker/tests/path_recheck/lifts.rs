@@ -4,7 +4,7 @@
 use nalgebra::{Isometry3, Matrix3, Vector3};
 use takt_checker::path::bounds::{self, JointBounds};
 use takt_checker::path::report::PathReport;
-use takt_checker::recheck_path;
+use takt_checker::{Density, recheck_path};
 use takt_motion::path::outcome::{
     LimitCost, LimitingStretch, Location, PathLimit, PathLimitUse, PathPlan, PathSetpoints, SegmentReport,
 };
@@ -110,7 +110,7 @@ impl Lifts {
     }
 
     pub(crate) fn recheck(&self, plan: &PathPlan) -> PathReport {
-        recheck_path(&self.spec, &self.request, plan)
+        recheck_path(&self.spec, &self.request, plan, Density::Resolving)
     }
 
     /// Limits that this motion just keeps.

@@ -55,7 +55,8 @@ pub struct Solutions {
 /// How solutions are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
-    /// In closed form: away from singularities, these are all there are.
+    /// In closed form: these are all there are. Where the arm's axes do not quite meet or are not quite parallel, near a
+    /// singularity some may be missing.
     ClosedForm,
     /// By iterating from many starts: there may be more.
     Numerical,

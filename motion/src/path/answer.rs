@@ -35,13 +35,14 @@ pub(super) fn assemble(
         duration,
     };
     let limiting = parts.limiting();
+    let limit_uses = parts.limit_uses();
     Ok(PathPlan {
         duration,
         continuity: runs.continuity,
         segments: parts.segments(&runs.tool_lengths),
         blends: parts.timed(runs.blends),
-        torque_margins: parts.torque_margins(),
-        limit_uses: parts.limit_uses(),
+        torque_margins: parts.torque_margins(&limit_uses),
+        limit_uses,
         limit_costs: costs(&limiting),
         limiting,
         constant_speed: runs.constant_speed,
@@ -102,7 +103,26 @@ impl Parts<'_> {
         blends
     }
 
-    fn torque_margins(&self) -> Vec<TorqueMargin> {
+    /// The tightest moment of every joint's torque: where a segment has a limit of its own, perhaps not the largest one.
+    fn torque_margins(&self, uses: &[PathLimitUse]) -> Vec<TorqueMargin> {
+        let mut margins = self.largest_torques();
+        for margin in &mut margins {
+            let mut of_joint = uses.iter().filter(|used| used.joint == Some(margin.joint));
+            let Some(used) = of_joint.find(|used| used.kind == PathLimit::Torque) else {
+                continue;
+            };
+            if used.margin < margin.margin {
+                margin.limit = used.limit;
+                margin.peak_torque = used.value;
+                margin.time = used.time;
+                margin.margin = used.margin;
+                margin.phase = self.phase(used.time);
+            }
+        }
+        margins
+    }
+
+    fn largest_torques(&self) -> Vec<TorqueMargin> {
         let robot = &self.problem.robot;
         let count = robot.joint_count();
         let mut demands = vec![JointDemand::default(); count];

@@ -129,10 +129,10 @@ impl Planner<'_> {
         }
         let given = self.request.segments[..=taught.segments[0]].iter();
         let asked = given.rev().find_map(|segment| segment.tool_speed).unwrap_or(0.0) * self.request.speed_scale;
-        let mut speed = asked;
+        let mut slow_down = 1.0;
         let mut lowered: Option<String> = None;
         for _ in 0..CONSTANT_SLOW_ROUNDS {
-            let (run, mut report) = self.followed(&taught, speed, budget)?;
+            let (run, mut report) = self.followed(&taught, asked, slow_down, budget)?;
             let law = even_law(&run);
             let begin = self.runs.duration();
             let limits = self.problem.limits(run.spans());
@@ -165,10 +165,10 @@ impl Planner<'_> {
             };
             let factor = slower(&broken, &examined).filter(|_| self.request.on_excess == OnExcess::SlowDown);
             let Some(factor) = factor else {
-                return Err(self.refusal(&run, &broken, speed).into());
+                return Err(self.refusal(&run, &broken, report.speed).into());
             };
             lowered = Some(format!("the arm cannot follow faster: {}", self.describe(&broken)));
-            speed *= factor;
+            slow_down *= factor;
         }
         let at = Location {
             segment: taught.segments[0],
@@ -221,11 +221,13 @@ impl Planner<'_> {
         &self,
         taught: &Taught,
         speed: f64,
+        slow_down: f64,
         budget: &Budget<'_>,
     ) -> Result<(Chain, ConstantSpeedReport), Fault> {
         let process = ProcessRequest {
             segments: &taught.geometry,
             speed,
+            slow_down,
             transition_time: self.request.transition_time,
             tolerance: self.request.tolerance,
             seam_reach: &taught.seam_reach,

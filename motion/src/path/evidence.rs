@@ -11,7 +11,7 @@ use crate::tolerance::{REACH_PROBES, SEGMENT_MIN, SINGULAR_MIN};
 
 impl Teacher<'_> {
     /// A taught pose that cannot be taken.
-    pub(super) fn missing(&self, segment: usize, unreachable: Unreachable) -> PathInfeasible {
+    pub(super) fn missing(&self, segment: usize, unreachable: &Unreachable) -> PathInfeasible {
         let location = Location { segment, fraction: 1.0 };
         let evidence = |reason, needed, available| PathInfeasible {
             needed,
@@ -20,7 +20,7 @@ impl Teacher<'_> {
         };
         match unreachable {
             Unreachable::OutOfReach { .. } => {
-                evidence(PathInfeasibleReason::OutOfReach, gap(&unreachable).unwrap_or(0.0), 0.0)
+                evidence(PathInfeasibleReason::OutOfReach, gap(unreachable).unwrap_or(0.0), 0.0)
             }
             Unreachable::JointRange {
                 joint,
@@ -28,13 +28,17 @@ impl Teacher<'_> {
                 available,
                 ..
             } => PathInfeasible {
-                joint: Some(joint),
-                ..evidence(PathInfeasibleReason::JointRange, needed, available)
+                joint: Some(*joint),
+                ..evidence(PathInfeasibleReason::JointRange, *needed, *available)
             },
             Unreachable::Singular {
                 smallest_singular_value,
                 ..
-            } => evidence(PathInfeasibleReason::Singularity, SINGULAR_MIN, smallest_singular_value),
+            } => evidence(
+                PathInfeasibleReason::Singularity,
+                SINGULAR_MIN,
+                *smallest_singular_value,
+            ),
         }
     }
 

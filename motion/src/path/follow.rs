@@ -36,8 +36,6 @@ pub(super) struct Halt {
     pub(super) at: f64,
     /// A lower bound of the Jacobian's smallest singular value there.
     pub(super) smallest: f64,
-    /// The tool cannot be there at all: too few joints for the pose.
-    pub(super) inconsistent: bool,
 }
 
 /// Follows a curve of the given length from `q`.
@@ -59,19 +57,9 @@ pub(super) fn follow(
     let aim = guide.aim(Jet::variable(0.0, 1.0), Side::After, &mut now);
     let reached = followers.solve(arm, &aim, &mut now);
     let mut smallest = reached.smallest();
-    let halt = |at, smallest, inconsistent| {
-        Ok(Err(Halt {
-            at,
-            smallest,
-            inconsistent,
-        }))
-    };
-    // not on the curve's start: fewer joints than the pose needs
-    if !(reached.gap <= CLOSED) {
-        return halt(at, smallest, true);
-    }
-    if smallest < SINGULAR_MIN {
-        return halt(at, smallest, false);
+    let halt = |at, smallest| Ok(Err(Halt { at, smallest }));
+    if reached.gap > CLOSED || smallest < SINGULAR_MIN {
+        return halt(at, smallest);
     }
     seeds.push(at, &now);
     let mut step = 0.125 * length;
@@ -97,11 +85,10 @@ pub(super) fn follow(
         }
         step = 0.25 * (next - at);
         if step < FOLLOW_MIN * length {
-            let inconsistent = reached.gap > CLOSED && reached.gap.is_finite() && smallest >= SINGULAR_MIN;
-            return halt(at, smallest.min(there), inconsistent);
+            return halt(at, smallest.min(there));
         }
     }
-    halt(at, smallest, false)
+    halt(at, smallest)
 }
 
 /// Where the joints would be a step on.

@@ -157,7 +157,15 @@ fn bounds(
     let parent = format!("segments[{index}]");
     check_tool(&format!("{parent}.limits"), segment.tool_limits, wrong);
     let own = joint_limits(robot, &parent, &segment.limits, request, wrong);
-    let joints = own.iter().zip(path).map(|(own, path)| {
+    // a torque of the request stands for the model's times the utilization; without one the segment has nothing to add
+    let own_torque = |name: &str| {
+        let mut limits = segment.limits.iter();
+        limits
+            .find(|limit| limit.joint == name)
+            .and_then(|limit| limit.peak_torque)
+    };
+    let specs = &robot.spec().joints;
+    let joints = own.iter().zip(path).zip(specs).map(|((own, path), joint)| {
         let acceleration = [own.acceleration, own.deceleration, path.acceleration, path.deceleration];
         let acceleration = acceleration.into_iter().fold(None, tighter);
         let velocity = own.velocity.min(path.velocity);
@@ -168,7 +176,7 @@ fn bounds(
             jerk: tighter(own.jerk, path.jerk)
                 .filter(|_| request.limit_jerk)
                 .map(|value| scaled(value, request.jerk_scale)),
-            torque: tighter(own.torque, path.torque),
+            torque: tighter(path.torque, own_torque(&joint.name)),
         }
     });
     let tool_velocity = [

@@ -12,6 +12,7 @@ use crate::kinematics;
 use crate::plan::Failure;
 use crate::plan::outcome::{JointColumns, Setpoints};
 use crate::plan::request::Sampling;
+use crate::tolerance::SAMPLE_AT_STOP;
 
 /// Samples computed at once: it bounds the scratch memory.
 const BLOCK: usize = 512;
@@ -114,9 +115,10 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    /// Sets the state at a time, and says where it is.
+    /// Sets the state at a time, and says where it is. A time that a rounding separates from a stop is the stop's.
     fn set(&mut self, time: f64) -> Location {
-        let after = self.runs.partition_point(|run| run.begin <= time);
+        let slack = SAMPLE_AT_STOP * self.runs.last().map_or(0.0, TimedRun::end);
+        let after = self.runs.partition_point(|run| run.begin <= time + slack);
         let Some((run, rest)) = after
             .checked_sub(1)
             .map(|index| (&self.runs[index], &self.rests[index]))
@@ -126,9 +128,9 @@ impl<'a> Sampler<'a> {
         };
         let last = after == self.runs.len();
         // a path that ends at speed is sampled to its very end
-        if time < run.end() || (last && !run.ends_at_rest && time <= run.end()) {
-            self.state
-                .set(run.run.as_ref(), &run.law, time - run.begin, Side::After);
+        if time + slack < run.end() || (last && !run.ends_at_rest) {
+            let since = (time - run.begin).clamp(0.0, run.law.duration());
+            self.state.set(run.run.as_ref(), &run.law, since, Side::After);
             return run.run.location(self.state.s);
         }
         self.state.rest_at(rest);

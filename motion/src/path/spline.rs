@@ -46,7 +46,7 @@ fn quintic(points: &[Vec<f64>], distances: &[f64]) -> Piecewise {
     let mut band = Band::new(2 * count, 3, dimension);
     for (piece, h) in distances.iter().enumerate() {
         for (order, [delta, d0, d1, e0, e1]) in [THIRD, FOURTH].into_iter().enumerate() {
-            let scale = h.powi(order as i32 + 3);
+            let scale = if order == 0 { h * h * h } else { (h * h) * (h * h) };
             let [d0, d1, e0, e1] = [d0 * h, d1 * h, e0 * h * h, e1 * h * h];
             // right minus left: this piece's start counts at its first knot, its end, negative, at its last. Seen from
             // there values, slopes and odd derivatives have the other sign
@@ -64,9 +64,8 @@ fn quintic(points: &[Vec<f64>], distances: &[f64]) -> Piecewise {
                 for (offset, coefficient) in coefficients.into_iter().enumerate() {
                     band.add(row, start + offset, coefficient / scale);
                 }
-                for side in 0..dimension {
-                    let difference = points[piece + 1][side] - points[piece][side];
-                    band.add_right(row, side, -delta * difference / scale);
+                for (side, (from, to)) in points[piece].iter().zip(&points[piece + 1]).enumerate() {
+                    band.add_right(row, side, -delta * (to - from) / scale);
                 }
             }
         }
@@ -102,9 +101,8 @@ fn cubic(points: &[Vec<f64>], distances: &[f64]) -> Piecewise {
         for (row, own, other) in [(piece, piece, piece + 1), (piece + 1, piece + 1, piece)] {
             band.add(row, own, 4.0 / h);
             band.add(row, other, 2.0 / h);
-            for side in 0..dimension {
-                let difference = points[piece + 1][side] - points[piece][side];
-                band.add_right(row, side, 6.0 * difference / (h * h));
+            for (side, (from, to)) in points[piece].iter().zip(&points[piece + 1]).enumerate() {
+                band.add_right(row, side, 6.0 * (to - from) / (h * h));
             }
         }
     }

@@ -48,8 +48,8 @@ impl Decomposed {
         for k in (0..self.count).rev() {
             let value = right[k] / self.pivot(k);
             right[k] = value;
-            for row in 0..k {
-                right[row] -= self.columns[k][row] * value;
+            for (right, entry) in right.iter_mut().zip(&self.columns[k][..k]) {
+                *right -= entry * value;
             }
         }
         right[self.count..].fill(0.0);
@@ -65,8 +65,8 @@ impl Decomposed {
             for k in (0..=unit).rev() {
                 let value = column[k] / self.pivot(k);
                 sum += value * value;
-                for row in 0..k {
-                    column[row] -= self.columns[k][row] * value;
+                for (column, entry) in column.iter_mut().zip(&self.columns[k][..k]) {
+                    *column -= entry * value;
                 }
             }
         }

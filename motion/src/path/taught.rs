@@ -60,7 +60,7 @@ impl<'a> Teacher<'a> {
         budget: &Budget<'_>,
     ) -> Result<Option<Track>, Fault> {
         let (curve, target) = match shape {
-            Shape::Joint { target } => return self.joint(segment, target),
+            Shape::Joint { target } => return self.joint(segment, target, budget),
             Shape::Line { target } => (ToolCurve::line(&self.pose(), &self.pose_of(target)), Some(target)),
             Shape::Arc(arc) => {
                 let target = arc
@@ -72,19 +72,19 @@ impl<'a> Teacher<'a> {
             Shape::Spline(spline) => {
                 let path = format!("segments[{segment}].spline");
                 let curve = match spline.space {
-                    Space::Joint => return self.joint_spline(segment, &path, spline),
+                    Space::Joint => return self.joint_spline(segment, &path, spline, budget),
                     Space::Tool => self.tool_spline(&path, spline)?,
                 };
                 let Some(curve) = curve else { return Ok(None) };
-                let track = self.guided(segment, curve, spline.points.last(), warnings, budget)?;
-                self.check_pace(&path, &track)?;
+                let track = self.guided(segment, &curve, spline.points.last(), warnings, budget)?;
+                self.check_pace(&path, &track, budget)?;
                 return Ok(Some(track));
             }
         };
         if curve.is_shorter_than(SEGMENT_MIN) {
             return Ok(None);
         }
-        self.guided(segment, curve, target, warnings, budget).map(Some)
+        self.guided(segment, &curve, target, warnings, budget).map(Some)
     }
 
     /// The curve of a line or an arc from where the arm is; `None` where it goes nowhere.
@@ -100,7 +100,7 @@ impl<'a> Teacher<'a> {
     /// Puts the arm where a segment ends, nearest to where it is.
     pub(super) fn stand_at(&mut self, segment: usize, pose: &Isometry3<f64>) -> Result<(), Fault> {
         let found = self.inverse.nearest(pose, &self.q);
-        self.q = found.map_err(|unreachable| self.missing(segment, unreachable))?;
+        self.q = found.map_err(|unreachable| self.missing(segment, &unreachable))?;
         Ok(())
     }
 
@@ -113,7 +113,7 @@ impl<'a> Teacher<'a> {
     fn guided(
         &mut self,
         segment: usize,
-        curve: ToolCurve,
+        curve: &ToolCurve,
         target: Option<&Target>,
         warnings: &mut Vec<String>,
         budget: &Budget<'_>,
@@ -122,13 +122,13 @@ impl<'a> Teacher<'a> {
             Some(Target::Joints(positions)) => Some(positions.as_slice()),
             Some(Target::Pose { .. }) | None => None,
         };
-        let led = self.led(segment, &curve, taught)?;
+        let led = self.led(segment, curve, taught)?;
         if !led.is_empty() {
             warnings.push(self.say_who_leads(segment, &led));
         }
         let guided = match Guided::new(&self.arm, curve.clone(), led, &self.q, budget)? {
             Ok(guided) => guided,
-            Err(halt) => return Err(self.halted(segment, &curve, halt).into()),
+            Err(halt) => return Err(self.halted(segment, curve, halt).into()),
         };
         let end = guided.end();
         if let Some(taught) = taught
@@ -137,7 +137,7 @@ impl<'a> Teacher<'a> {
             return Err(self.other_branch(segment, joint, taught[joint], end[joint]).into());
         }
         self.q = end;
-        Ok(Track::of_tool(&self.arm, segment, guided, &self.speeds))
+        Ok(Track::of_tool(&self.arm, segment, guided, &self.speeds, budget)?)
     }
 
     /// The joints beyond six, each led evenly from where it is to where it is at the end.
@@ -149,7 +149,7 @@ impl<'a> Teacher<'a> {
             Some(taught) => taught.to_vec(),
             None => {
                 let found = self.inverse.nearest(&curve.pose(1.0), &self.q);
-                found.map_err(|unreachable| self.missing(segment, unreachable))?
+                found.map_err(|unreachable| self.missing(segment, &unreachable))?
             }
         };
         let led = self.leaders(&self.q, &end).into_iter().map(|joint| Led {
@@ -238,7 +238,7 @@ impl<'a> Teacher<'a> {
         Ok(ToolCurve::Arc { circle, turn })
     }
 
-    fn joint(&mut self, segment: usize, target: &Target) -> Result<Option<Track>, Fault> {
+    fn joint(&mut self, segment: usize, target: &Target, budget: &Budget<'_>) -> Result<Option<Track>, Fault> {
         let end = self.joints_of(segment, target, &self.q)?;
         let travel = self.q.iter().zip(&end).map(|(from, to)| (to - from).abs());
         if travel.fold(0.0, f64::max) < SEGMENT_MIN {
@@ -246,7 +246,7 @@ impl<'a> Teacher<'a> {
         }
         let curve = Piecewise::straight(&self.q, &end);
         self.q = end;
-        let mut track = Track::of_joints(&self.arm, segment, curve, &self.speeds);
+        let mut track = Track::of_joints(&self.arm, segment, curve, &self.speeds, budget)?;
         track.by_part = true;
         Ok(Some(track))
     }
@@ -263,7 +263,7 @@ impl<'a> Teacher<'a> {
             Target::Pose { .. } => {
                 let pose = self.pose_of(target);
                 let found = self.inverse.nearest(&pose, reference);
-                found.map_err(|unreachable| self.missing(segment, unreachable).into())
+                found.map_err(|unreachable| self.missing(segment, &unreachable).into())
             }
         }
     }

@@ -1,4 +1,6 @@
+mod arc;
 mod constant;
+mod hostile;
 mod joint;
 mod mixed;
 mod plan;

@@ -8,7 +8,7 @@
 //!
 //! and from there to torques by inverse dynamics and to the tool by its own recursion. Of the planner's terms along the
 //! path it uses none. Every interval of the time law is sampled [`PARTS`] times, on both of its ends from within, where
-//! accelerations may jump; between samples every maximum that might be the largest is found by parabolas; where a joint
+//! accelerations may jump, and halved until that shows how they vary; between samples every maximum that might be the largest is found by parabolas; where a joint
 //! turns back, its friction is taken on either side.
 
 use nalgebra::Isometry3;
@@ -38,9 +38,16 @@ const INSIDE: f64 = 1.0e-9;
 /// Rounds of parabolas on a maximum between samples.
 const ROUNDS: usize = 4;
 
-/// A maximum between samples is looked for where a parabola's bound reaches this close to the largest that is known, or
-/// to the limit.
-const NEAR: f64 = 1.0e-3;
+/// An interval is halved where an acceleration bends from sample to sample by more than this part of its limit: a
+/// parabola then still shows the extreme to a thousandth, from where it is followed.
+const SPLIT_BEND: f64 = 0.02;
+
+/// Smallest scale of a joint's acceleration without a limit, as part of the largest of all: below is rounding.
+const SPLIT_FLOOR: f64 = 1.0e-3;
+
+/// Most times an interval is halved, and most intervals of a block after it: they bound the work.
+const SPLIT_ROUNDS: usize = 8;
+const SPLIT_MOST: usize = 8 * BLOCK;
 
 /// A path and when it is where.
 #[derive(Clone, Copy)]
@@ -270,6 +277,65 @@ impl<'a> Examiner<'a> {
 
     /// Samples and examines some intervals, given by their ends.
     fn block(&mut self, breaks: &[f64]) {
+        let mut breaks = breaks.to_vec();
+        self.sample(&breaks);
+        for _ in 0..SPLIT_ROUNDS {
+            if !self.halve(&mut breaks) {
+                break;
+            }
+            self.sample(&breaks);
+        }
+        self.sweep.compute(self.robot.chain());
+        self.add_torques(self.times.len());
+        for (interval, ends) in breaks.windows(2).enumerate() {
+            self.interval(interval * (PARTS + 1), ends);
+        }
+    }
+
+    /// Halves the intervals whose samples are too few to show how an acceleration varies; false where none is.
+    fn halve(&self, breaks: &mut Vec<f64>) -> bool {
+        let coarse: Vec<bool> = (0..breaks.len() - 1).map(|interval| self.is_coarse(interval)).collect();
+        if breaks.len() > SPLIT_MOST || coarse.iter().all(|coarse| !coarse) {
+            return false;
+        }
+        let halves = breaks.windows(2).zip(&coarse).flat_map(|(ends, coarse)| {
+            let middle = coarse.then_some(0.5 * (ends[0] + ends[1]));
+            std::iter::once(ends[0]).chain(middle)
+        });
+        *breaks = halves.chain(breaks.last().copied()).collect();
+        true
+    }
+
+    /// Whether some joint's acceleration bends between the samples of an interval by more than a part of its limit; of
+    /// its largest here, where it has none.
+    fn is_coarse(&self, interval: usize) -> bool {
+        let first = interval * (PARTS + 1);
+        let largest = self
+            .sweep
+            .acceleration
+            .iter()
+            .fold(0.0, |most: f64, a| most.max(a.abs()));
+        let stretches = &self.timed.limits.stretches;
+        let stretch = &stretches[self
+            .timed
+            .limits
+            .stretch_at(self.places[first + PARTS / 2], Side::After)];
+        (0..self.robot.joint_count()).any(|joint| {
+            let column = self.sweep.column(joint);
+            let all = &self.sweep.acceleration[column..column + self.times.len()];
+            let scale = stretch.joints[joint]
+                .acceleration
+                .unwrap_or_else(|| all.iter().fold(SPLIT_FLOOR * largest, |most, a| most.max(a.abs())));
+            let samples = &all[first..=first + PARTS];
+            let bends = samples
+                .windows(3)
+                .map(|three| (three[2] - 2.0 * three[1] + three[0]).abs());
+            bends.fold(0.0, f64::max) > SPLIT_BEND * scale
+        })
+    }
+
+    /// Samples the states of some intervals.
+    fn sample(&mut self, breaks: &[f64]) {
         let count = self.robot.joint_count();
         let samples = (breaks.len() - 1) * (PARTS + 1);
         let bounds_tool = self.timed.limits.bound_the_tool();
@@ -299,11 +365,6 @@ impl<'a> Examiner<'a> {
                 self.places.push(self.state.s);
                 self.times.push(time);
             }
-        }
-        self.sweep.compute(self.robot.chain());
-        self.add_torques(samples);
-        for (interval, ends) in breaks.windows(2).enumerate() {
-            self.interval(interval * (PARTS + 1), ends);
         }
     }
 
@@ -388,7 +449,7 @@ impl<'a> Examiner<'a> {
             let known = self.known[channel].map_or(f64::NEG_INFINITY, |known| self.examined.tightest[known].ratio);
             let found = (value(top), self.times[first + top], self.places[first + top]);
             self.keep(channel, limit, found);
-            if bound(&ratios, top) > known.max(ratios[top]).max(1.0 - NEAR) + REFINE_GAIN {
+            if bound(&ratios, top) > known.max(ratios[top]) + REFINE_GAIN {
                 self.refine(channel, limit, first, top);
             }
             let ranged = matches!(
@@ -521,7 +582,29 @@ impl<'a> Examiner<'a> {
         }
     }
 
+    /// Looks at the arm held still where the path begins and ends, without the help of friction.
+    fn hold(&mut self) {
+        let duration = self.timed.law.duration();
+        let limits = self.timed.limits;
+        for (time, side) in [(0.0, Side::After), (duration, Side::Before)] {
+            if self.timed.law.at(time).velocity != 0.0 {
+                continue;
+            }
+            self.state.set(self.timed.curve, self.timed.law, time, side);
+            let s = self.state.s;
+            dynamics::gravity_torque(self.robot, &mut self.workspace, &self.state.position, &mut self.torque);
+            let stretch = &limits.stretches[limits.stretch_at(s, side)];
+            for joint in 0..self.robot.joint_count() {
+                let channel = joint * JOINT_CHANNELS.len();
+                if let Some(limit) = self.limit(channel, stretch) {
+                    self.keep(channel, limit, (self.torque[joint], time, s));
+                }
+            }
+        }
+    }
+
     fn finish(mut self) -> Examined {
+        self.hold();
         let of_torque = |tightest: &&Tightest| tightest.kind == PathLimit::Torque;
         let torques = self.examined.tightest.iter().filter(of_torque);
         let worst = torques.fold(None::<Tightest>, |worst, tightest| match worst {
@@ -550,6 +633,18 @@ impl<'a> Examiner<'a> {
         dynamics::gravity_torque(self.robot, &mut self.workspace, &self.state.position, &mut gravity);
         let drive = self.robot.drives()[joint];
         let velocity = self.state.velocity[joint];
+        if tightest.value == gravity[joint] {
+            // held still: no speed makes it less
+            return Some(Point {
+                joint,
+                time: tightest.time,
+                segment: 0,
+                dynamic: 0.0,
+                viscous: 0.0,
+                still: tightest.value,
+                gravity: tightest.value,
+            });
+        }
         let viscous = drive.viscous * velocity;
         // friction may act the other way than at the sample, where the joint turns back just there
         let coulomb = tightest.value - total + drive.coulomb(velocity);

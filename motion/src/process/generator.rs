@@ -1,6 +1,7 @@
 //! Set-points at constant tool speed, cycle by cycle: no allocation, no sine, no root in a cycle (JPH0743606B2).
 //!
-//! An arc turns by the same angle Δφ = Vs·Δt/r in every cycle, so that the rotation is computed once (Rodrigues 1840, n the unit normal):
+//! An arc turns by the same angle Δφ = Vs·Δt/r in every cycle, so that the rotation is computed once (Rodrigues 1840, n
+//! the unit normal):
 //!
 //! ```text
 //! p ← centre + R·(p − centre),      R = I + sin Δφ·[n]× + (1 − cos Δφ)·[n]×²
@@ -12,10 +13,10 @@
 //! o ← f·(o + (R·P − I)·o)           P = I − n·nᵀ,  f = (3 − o²/r²)/2
 //! ```
 //!
-//! P puts o back into the plane, at no cost since it is within the matrix; f puts it back to the radius: a Newton step for r/|o|,
-//! exact to the square of an error of 1e-16, that does not wait for the rotation. Without n·nᵀ, which is symmetric and so does
-//! not turn, R·P − I is of the size of Δφ: its rounding turns the circle less by that factor than the rounding of R's own
-//! entries would, in every cycle the same way.
+//! P puts o back into the plane, at no cost since it is within the matrix; f puts it back to the radius: a Newton step
+//! for r/|o|, exact to the square of an error of 1e-16, that does not wait for the rotation. Without n·nᵀ, which is
+//! symmetric and so does not turn, R·P − I is of the size of Δφ: its rounding turns the circle less by that factor than
+//! the rounding of R's own entries would, in every cycle the same way.
 //!
 //! A transition is its polynomial in h.
 //!

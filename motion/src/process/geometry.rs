@@ -283,7 +283,8 @@ mod tests {
         }
     }
 
-    /// A nearly straight arc bends by σ²/(2r): half of a nanometre here, of which rounding in the centre would leave nothing.
+    /// A nearly straight arc bends by σ²/(2r): half of a nanometre here, of which rounding in the centre would leave
+    /// nothing.
     #[test]
     fn a_nearly_straight_arc_keeps_its_figures() {
         let (radius, way) = (1.0e6, 0.03125);

@@ -10,8 +10,8 @@ use crate::path::request::Transition;
 const QUARTIC_CUT: f64 = 0.1875;
 
 /// Distance between the transition and the taught path, m: the larger of how far the tool gets from the taught segments
-/// and how far the taught point is from the tool's way. (On a path that turns back on itself the first is 0, and yet the
-/// tool never gets to the taught point.)
+/// and how far the taught point is from the tool's way. (On a path that turns back on itself the first is 0, and yet
+/// the tool never gets to the taught point.)
 pub(super) fn deviation(node: &Node<'_>, form: Transition, reach: f64) -> f64 {
     let Curve::Polynomial(polynomial) = node.curve(form, reach) else {
         return 0.0;
@@ -71,7 +71,8 @@ pub(super) fn sharpest(node: &Node<'_>, form: Transition, reach: f64) -> f64 {
     within.sqrt() / square
 }
 
-/// The smallest reach from `least` up to `most` whose acceleration over Vs² is within `bound`, 1/m; `most` where none is.
+/// The smallest reach from `least` up to `most` whose acceleration over Vs² is within `bound`, 1/m; `most` where none
+/// is.
 pub(super) fn reach_gentle(node: &Node<'_>, form: Transition, bound: f64, least: f64, most: f64) -> f64 {
     if let Some(turn) = node.turn_of_lines() {
         return (0.75 * turn / bound).max(least).min(most);

@@ -2,9 +2,10 @@
 //!
 //! The tool would pass taught point k at T₀ = ta₀, Tₖ₊₁ = Tₖ + Lₖ/Vs; its transition lasts from Tₖ − taₖ to Tₖ + taₖ.
 //!
-//! Orientation runs along each segment as a fraction of it: at the rate Vs/L between transitions, up from 0 and down to 1
-//! by the ramp of the transitions at its ends. During a seam two segments turn at once, as Δ− and Δ+ of the quartic do:
-//! with a rotation wᵢ(f) of each segment, R = wᵢ₊₁(fᵢ₊₁)·wᵢ(fᵢ)·R_start in base axes. Its rate and acceleration are continuous.
+//! Orientation runs along each segment as a fraction of it: at the rate Vs/L between transitions, up from 0 and down to
+//! 1 by the ramp of the transitions at its ends. During a seam two segments turn at once, as Δ− and Δ+ of the quartic
+//! do: with a rotation wᵢ(f) of each segment, R = wᵢ₊₁(fᵢ₊₁)·wᵢ(fᵢ)·R_start in base axes. Its rate and acceleration are
+//! continuous.
 
 use nalgebra::Vector3;
 
@@ -187,8 +188,8 @@ impl ConstantSpeedMotion {
     }
 
     /// Largest jumps of velocity, m/s, and of acceleration, m/s², at both ends of every transition; before and after
-    /// the motion there is rest. From the ends of the curves themselves: a time as large as the motion's rounds too much
-    /// to tell where a short transition ends.
+    /// the motion there is rest. From the ends of the curves themselves: a time as large as the motion's rounds too
+    /// much to tell where a short transition ends.
     pub(super) fn jumps(&self) -> Vec<[f64; 2]> {
         let rest = [Vector3::zeros(); 2];
         let mut jumps = vec![[0.0; 2]; self.reaches.len()];

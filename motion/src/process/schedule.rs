@@ -6,9 +6,10 @@
 //! n = ⌈(L/Vs − ta₀ − ta₁)/Δt⌉     Vs = L/(n·Δt + ta₀ + ta₁)
 //! ```
 //!
-//! with L the length of the whole chain, ta₀ and ta₁ half of what its first and last transitions take: a chain has one speed, whose one
-//! value cannot make every stretch between its transitions whole at once. Without ta it is chosen by acceleration: the
-//! ramp from rest has its peak at ¾·Vs/ta; every transition takes at least that ta where tolerance and length allow, and longer where it must be gentler.
+//! with L the length of the whole chain, ta₀ and ta₁ half of what its first and last transitions take: a chain has one
+//! speed, whose one value cannot make every stretch between its transitions whole at once. Without ta it is chosen by
+//! acceleration: the ramp from rest has its peak at ¾·Vs/ta; every transition takes at least that ta where tolerance
+//! and length allow, and longer where it must be gentler.
 
 use super::ProcessRequest;
 use super::geometry::Segment;
@@ -77,6 +78,16 @@ pub(super) fn schedule(
     if let Some(limit) = request.acceleration {
         let most = gentle_enough(request.form, limit, settled.speed, &nodes, &bounds, budget)?;
         settled.lower(most, || "the limit of the tool's acceleration".to_owned());
+    }
+    if request.slow_down < 1.0 {
+        for bound in &mut bounds {
+            *bound = Bound {
+                half_time: f64::INFINITY,
+                cap: bound.reach(settled.speed),
+            };
+        }
+        let most = settled.speed * request.slow_down;
+        settled.lower(most, || "slowed down".to_owned());
     }
     let last = bounds.len() - 1;
     for end in [0, last] {
@@ -157,8 +168,8 @@ fn bound(request: &ProcessRequest<'_>, node: &Node<'_>, index: usize) -> Bound {
     Bound { half_time, cap }
 }
 
-/// The largest speed at which a segment of this length holds the transitions at both of its ends. Their sum is the least of four
-/// lines in the speed: the root is the largest of theirs.
+/// The largest speed at which a segment of this length holds the transitions at both of its ends. Their sum is the
+/// least of four lines in the speed: the root is the largest of theirs.
 fn holding_both(length: f64, a: Bound, b: Bound) -> f64 {
     if a.cap + b.cap <= length {
         return f64::INFINITY;

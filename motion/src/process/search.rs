@@ -61,9 +61,10 @@ pub(super) fn largest_that(most: f64, holds: impl Fn(f64) -> bool) -> f64 {
     low
 }
 
-/// An x up to `most` with f(x) ≤ bound: `most`, or one where f is within [`REACH_CLOSE`] of the bound. f rises from 0 like a
-/// power of x, so that its logarithm is nearly a straight line of that of x: secants on it, and halving where one leaves
-/// what is known to hold the place. What is returned was tried; where nothing was within the bound, it is the smallest tried.
+/// An x up to `most` with f(x) ≤ bound: `most`, or one where f is within [`REACH_CLOSE`] of the bound. f rises from 0
+/// like a power of x, so that its logarithm is nearly a straight line of that of x: secants on it, and halving where
+/// one leaves what is known to hold the place. What is returned was tried; where nothing was within the bound, it is
+/// the smallest tried.
 pub(super) fn power_within(most: f64, bound: f64, f: impl Fn(f64) -> f64) -> f64 {
     let value = f(most);
     if value <= bound {

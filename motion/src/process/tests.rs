@@ -3,6 +3,7 @@
 mod chains;
 mod figures;
 mod limits;
+mod refusals;
 mod source;
 
 use std::f64::consts::PI;
@@ -22,6 +23,7 @@ fn asked<'a>(segments: &'a [ProcessSegment], speed: f64, half_time: f64) -> Proc
         tolerance: None,
         seam_reach: &[],
         acceleration: None,
+        slow_down: 1.0,
         cycle_time: None,
         form: Transition::Smooth,
     }

@@ -1,8 +1,8 @@
 //! One transition: how the tool goes from rest into a segment, over a taught corner, or out to rest.
 //!
-//! Time is h = (t + ta)/(2·ta), from 0 to 1. The only other parameter is the reach D = Vs·ta, the taught path length that the
-//! transition takes on each side of its taught point: the curve depends on D alone, its speeds are Vs and its accelerations
-//! Vs² times what is said here.
+//! Time is h = (t + ta)/(2·ta), from 0 to 1. The only other parameter is the reach D = Vs·ta, the taught path length
+//! that the transition takes on each side of its taught point: the curve depends on D alone, its speeds are Vs and its
+//! accelerations Vs² times what is said here.
 //!
 //! ```text
 //! quartic     p(h) = P + Δ− + [(Δ− + Δ+)·(2 − h)·h² − 2·Δ−]·h                   (JPH0743606B2, Δ± = P± − P)
@@ -11,9 +11,9 @@
 //! ```
 //!
 //! The quartic is Δ− run down by the ramp plus Δ+ run up by it: (1 + h)(1 − h)³ = 1 − 2h + (2 − h)h³. Its velocity goes
-//! from −Δ−/ta to Δ+/ta, its acceleration from 0 to 0: that fits lines, and arcs only by a jump. Between lines the quintic
-//! is the quartic: its fifth power vanishes. By default seams are quintics, from rest and to rest there are ramps; the
-//! source's form is the quartic everywhere.
+//! from −Δ−/ta to Δ+/ta, its acceleration from 0 to 0: that fits lines, and arcs only by a jump. Between lines the
+//! quintic is the quartic: its fifth power vanishes. By default seams are quintics, from rest and to rest there are
+//! ramps; the source's form is the quartic everywhere.
 
 use nalgebra::Vector3;
 

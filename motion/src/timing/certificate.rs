@@ -186,7 +186,7 @@ impl Certificate<'_> {
 /// The points in the middle of an interval and those where a value is above what is certified.
 fn noteworthy(values: &[f64; POINTS], limit: f64) -> impl Iterator<Item = (usize, f64)> {
     let worth = move |(part, value): &(usize, f64)| *part == CHECK_PARTS / 2 || *value > CERTIFIED * limit;
-    values.to_owned().into_iter().enumerate().filter(worth)
+    values.iter().copied().enumerate().filter(worth)
 }
 
 /// By how much values may be above, and below, what they are at the points: the bulge of the cubics nearby.
@@ -200,14 +200,11 @@ fn bulges(values: &[f64; POINTS]) -> [[f64; POINTS]; 2] {
         skew = skew.max(8.0 * CUBIC_REST * (bend[part + 1] - bend[part]).abs());
     }
     (bend[0], bend[POINTS - 1]) = (bend[1], bend[POINTS - 2]);
-    let mut bulges = [[skew; POINTS]; 2];
-    for part in 0..POINTS {
-        for near in part.saturating_sub(1)..=(part + 1).min(POINTS - 1) {
-            bulges[0][part] = f64::max(bulges[0][part], skew - bend[near]);
-            bulges[1][part] = f64::max(bulges[1][part], skew + bend[near]);
-        }
-    }
-    bulges
+    let near = |part: usize| bend[part.saturating_sub(1)..(part + 2).min(POINTS)].iter();
+    [
+        std::array::from_fn(|part| skew - near(part).fold(0.0, |least: f64, bend| least.min(*bend))),
+        std::array::from_fn(|part| skew + near(part).fold(0.0, |most: f64, bend| most.max(*bend))),
+    ]
 }
 
 /// The bulges of `smooth + factor·√a` near rest, where √a is far from a parabola. Between two points it is above its chord by

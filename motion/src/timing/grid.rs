@@ -166,4 +166,20 @@ mod tests {
         assert_eq!(nodes.iter().filter(|s| **s < 0.01).count(), SPAN_INTERVALS_MIN);
         assert_eq!(nodes.len(), 1 + SPAN_INTERVALS_MIN + 20);
     }
+
+    #[test]
+    fn knots_and_borders_that_rounding_parted_are_one() {
+        let curve = crate::timing::test_curves::Rounded::new(vec![vec![0.0], vec![1.0], vec![3.0]], &[1.0]);
+        let knots = curve.knots();
+        let stretch = |end| crate::timing::limits::Stretch {
+            end,
+            ..Default::default()
+        };
+        let limits = Limits {
+            stretches: vec![stretch(knots[1] + 1e-15), stretch(1.2), stretch(9.0)],
+        };
+        let nodes = fixed_nodes(&curve, &limits);
+        assert_eq!(nodes.len(), knots.len() + 1, "{nodes:?} {knots:?}");
+        assert_eq!((nodes[0], nodes[nodes.len() - 1]), (0.0, curve.length()));
+    }
 }

@@ -8,10 +8,10 @@
 //! tool           |p′·b + p″·a| ≤ A_tool        speeds     a ≤ a_max            minimise ∫ ds/√a
 //! ```
 //!
-//! (Verscheure et al. 2009 for the form; Debrouwere et al. 2013 for jerk as a difference of convex functions.) a(s) is a
-//! cubic spline between two laws of constant jerk at rest ([`basis`], [`rest`]), its coefficients found by an interior
-//! point of three bands ([`interior`]) whose every iterate obeys the limits at the samples. A coarse grid first; its
-//! solution says where the fine one has its nodes. What the fine solution exceeds between samples
+//! (Verscheure et al. 2009 for the form; Debrouwere et al. 2013 for jerk as a difference of convex functions.) a(s) is
+//! a cubic spline between two laws of constant jerk at rest ([`basis`], [`rest`]), its coefficients found by an
+//! interior point of three bands ([`interior`]) whose every iterate obeys the limits at the samples. A coarse grid
+//! first; its solution says where the fine one has its nodes. What the fine solution exceeds between samples
 //! ([`certificate`]) tightens the limits there for another solve; the little that is left then is slowed down evenly.
 
 mod band;
@@ -21,12 +21,14 @@ mod fold;
 mod interior;
 mod level;
 mod limiting;
+mod nodes;
 mod pass;
 mod profile;
 mod rest;
 mod rows;
+mod uses;
 
-use super::grid::{even, fixed_nodes, spread};
+use super::grid::fixed_nodes;
 use super::{Obstacle, Task, Timing};
 use crate::budget::{Budget, Stopped};
 use crate::path::outcome::PathInfeasibleReason;
@@ -37,15 +39,12 @@ use crate::tolerance::{
 use certificate::Certificate;
 use interior::{Accuracy, Solver};
 use level::Level;
-use profile::Profile;
 
-/// Part of every limit that the first profile of a solve uses: from nothing, from a coarser grid, after tightening.
+/// Part of every limit that the first profile of a solve uses: from nothing, from a coarser grid, after tightening. The
+/// nearer it is to the end, the less room its slacks need.
 const START_COLD: f64 = 0.6;
 const START_PROLONGED: f64 = 0.95;
 const START_AGAIN: f64 = 0.98;
-
-/// Into how many parts the first intervals after that at rest are divided.
-const NEAR_REST: [usize; 4] = [4, 3, 2, 2];
 
 const COLD: Accuracy = Accuracy {
     gap: JERK_GAP_COARSE,
@@ -73,7 +72,8 @@ pub(crate) fn jerk_limited(task: &Task<'_>, budget: &Budget<'_>) -> Result<Resul
         return Ok(Ok(Timing::default()));
     }
     let fixed = fixed_nodes(task.curve, task.limits);
-    let coarse = match Level::new(task, even(&fixed, JERK_COARSE_INTERVALS), &fixed, budget)? {
+    let apart = nodes::apart(&fixed);
+    let coarse = match Level::new(task, nodes::even(&apart, JERK_COARSE_INTERVALS), &fixed, budget)? {
         Ok(level) => level,
         Err(obstacle) => return Ok(Err(obstacle)),
     };
@@ -81,9 +81,8 @@ pub(crate) fn jerk_limited(task: &Task<'_>, budget: &Budget<'_>) -> Result<Resul
     Solver::new(&coarse.problem).improve(&coarse.problem, &mut x, &COLD, budget)?;
 
     let profile = coarse.profile(&x);
-    let Some(nodes) = respread(&profile, &fixed, task.intervals.max(JERK_INTERVALS_MIN)) else {
-        return Ok(Err(Obstacle::NO_TIMING));
-    };
+    let intervals = task.intervals.max(JERK_INTERVALS_MIN);
+    let nodes = nodes::respread(&profile, &apart, intervals).unwrap_or_else(|| nodes::even(&apart, intervals));
     let mut fine = match Level::new(task, nodes, &fixed, budget)? {
         Ok(level) => level,
         Err(obstacle) => return Ok(Err(obstacle)),
@@ -168,63 +167,6 @@ fn measured(level: &Level, certificate: &mut Certificate<'_>, x: &mut [f64]) -> 
         }
     }
     certificate.measure(&level.profile(x)).unwrap_or(0.0)
-}
-
-/// About `count` intervals, nodes where the motion spends its time and where its way is, half and half.
-fn respread(profile: &Profile<'_>, fixed: &[f64], count: usize) -> Option<Vec<f64>> {
-    const PARTS: usize = 8;
-    let law = profile.law()?;
-    let nodes = profile.nodes;
-    let last = nodes.len() - 1;
-    let mut places = Vec::with_capacity(PARTS * last + 1);
-    for (interval, pair) in nodes.windows(2).enumerate() {
-        for k in 0..PARTS {
-            let part = k as f64 / PARTS as f64;
-            // near rest, equal times
-            let part = match interval {
-                0 => part * part * part,
-                i if i + 1 == last => 1.0 - (1.0 - part) * (1.0 - part) * (1.0 - part),
-                _ => part,
-            };
-            places.push(pair[0] + part * (pair[1] - pair[0]));
-        }
-    }
-    places.push(nodes[last]);
-    let way = 0.5 / nodes[last];
-    let time = 0.5 / law.duration();
-    let measure: Vec<f64> = places.iter().map(|s| way * s + time * law.time_at(*s)).collect();
-    Some(eased(&spread(fixed, count, &places, &measure)))
-}
-
-/// The same nodes, with the intervals next to those at rest divided at equal times, [`NEAR_REST`] says into how many. There
-/// nodes at equal times are at distances from rest in the ratio 1 : 8 : 27, however fine the grid is, and a cubic
-/// follows s^(4/3) the less well.
-fn eased(nodes: &[f64]) -> Vec<f64> {
-    let last = nodes.len() - 1;
-    let (begin, end) = (nodes[0], nodes[last]);
-    let mut eased = Vec::with_capacity(nodes.len() + 2 * NEAR_REST.iter().sum::<usize>());
-    for (interval, pair) in nodes.windows(2).enumerate() {
-        eased.push(pair[0]);
-        let from_end = last - 1 - interval;
-        let (parts, roots) = if interval <= from_end {
-            let parts = interval.checked_sub(1).and_then(|k| NEAR_REST.get(k));
-            (parts, [pair[0] - begin, pair[1] - begin].map(libm::cbrt))
-        } else {
-            let parts = from_end.checked_sub(1).and_then(|k| NEAR_REST.get(k));
-            (parts, [pair[0] - end, pair[1] - end].map(libm::cbrt))
-        };
-        let rest = if interval <= from_end { begin } else { end };
-        for k in 1..parts.copied().unwrap_or(1) {
-            let part = k as f64 / parts.copied().unwrap_or(1) as f64;
-            let root = roots[0] + part * (roots[1] - roots[0]);
-            let s = rest + root * root * root;
-            if s > eased[eased.len() - 1] && s < pair[1] {
-                eased.push(s);
-            }
-        }
-    }
-    eased.push(end);
-    eased
 }
 
 #[cfg(test)]

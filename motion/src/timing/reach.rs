@@ -32,67 +32,70 @@ pub(crate) enum Unreachable {
     },
 }
 
-/// Lines at_rest − slope·a in groups of [`GROUP`], the last one filled up with lines that are infinite.
+/// Lines at_rest − slope·a, filled up to whole groups with lines that are infinite.
 #[derive(Debug, Default)]
 struct Lines {
-    groups: Vec<Group>,
+    at_rest: Vec<f64>,
+    slope: Vec<f64>,
     count: usize,
 }
 
-/// Lines side by side, for the compiler to take them together.
-#[derive(Debug, Clone, Copy)]
-struct Group {
-    at_rest: [f64; GROUP],
-    slope: [f64; GROUP],
-}
-
-/// Lines of a group.
+/// Lines that are compared side by side.
 const GROUP: usize = 4;
 
 impl Lines {
-    fn clear(&mut self) {
-        self.groups.clear();
-        self.count = 0;
+    /// Room for so many.
+    fn with_room(most: usize) -> Self {
+        let entries = most.next_multiple_of(GROUP);
+        Self {
+            at_rest: vec![f64::INFINITY; entries],
+            slope: vec![0.0; entries],
+            count: 0,
+        }
     }
 
+    #[inline]
     fn push(&mut self, at_rest: f64, slope: f64) {
-        let lane = self.count % GROUP;
-        if lane == 0 {
-            self.groups.push(Group {
-                at_rest: [f64::INFINITY; GROUP],
-                slope: [0.0; GROUP],
-            });
-        }
-        if let Some(group) = self.groups.last_mut() {
-            (group.at_rest[lane], group.slope[lane]) = (at_rest, slope);
-        }
+        self.at_rest[self.count] = at_rest;
+        self.slope[self.count] = slope;
         self.count += 1;
+    }
+
+    /// Fills up the last group.
+    fn finish(&mut self) {
+        while !self.count.is_multiple_of(GROUP) {
+            self.push(f64::INFINITY, 0.0);
+        }
+    }
+
+    fn lowest(&self, a: f64) -> (f64, f64) {
+        lowest(&self.at_rest[..self.count], &self.slope[..self.count], a)
     }
 }
 
 /// The smallest of lines at a, and its slope.
-fn lowest(groups: &[Group], a: f64) -> (f64, f64) {
-    let mut value = [f64::INFINITY; GROUP];
-    let mut slope = [0.0; GROUP];
-    for group in groups {
+fn lowest(at_rest: &[f64], slope: &[f64], a: f64) -> (f64, f64) {
+    let mut values = [f64::INFINITY; GROUP];
+    let mut slopes = [0.0; GROUP];
+    for (at_rest, slope) in at_rest.chunks_exact(GROUP).zip(slope.chunks_exact(GROUP)) {
         for lane in 0..GROUP {
-            let here = group.at_rest[lane] - group.slope[lane] * a;
-            let less = here < value[lane];
-            value[lane] = if less { here } else { value[lane] };
-            slope[lane] = if less { group.slope[lane] } else { slope[lane] };
+            let here = at_rest[lane] - slope[lane] * a;
+            let less = here < values[lane];
+            values[lane] = if less { here } else { values[lane] };
+            slopes[lane] = if less { slope[lane] } else { slopes[lane] };
         }
     }
-    let mut best = (value[0], slope[0]);
+    let mut best = (values[0], slopes[0]);
     for lane in 1..GROUP {
-        if value[lane] < best.0 {
-            best = (value[lane], slope[lane]);
+        if values[lane] < best.0 {
+            best = (values[lane], slopes[lane]);
         }
     }
     best
 }
 
 /// What bounds b on one interval.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Interval {
     /// b ≤ each of these.
     upper: Lines,
@@ -104,6 +107,7 @@ struct Interval {
 
 impl Interval {
     /// α·a + β·b ≤ γ.
+    #[inline]
     fn push(&mut self, alpha: f64, beta: f64, gamma: f64) {
         if beta.abs() > REACH_ROW_FLAT * gamma {
             let scale = 1.0 / beta.abs();
@@ -116,8 +120,7 @@ impl Interval {
 
     /// Rows of all places of an interval. The last one's a is not bounded here: what can be had there is.
     fn fill(&mut self, grid: &Grid, rows: &Rows<'_>, interval: usize) {
-        self.upper.clear();
-        self.lower.clear();
+        (self.upper.count, self.lower.count) = (0, 0);
         let (first, parts) = (rows.places.first[interval], rows.places.parts);
         self.cap = rows.speed_bound[first];
         let step = 2.0 * grid.step(interval) / parts as f64;
@@ -141,6 +144,8 @@ impl Interval {
         let scale = 1.0 / (2.0 * step);
         self.upper.push(high * scale, scale);
         self.lower.push(-low * scale, -scale);
+        self.upper.finish();
+        self.lower.finish();
     }
 
     /// The border of {a: lower(a) ≤ upper(a)} that is met first from outside, from the right or from the left. The width
@@ -148,8 +153,8 @@ impl Interval {
     fn border(&self, from: f64, from_right: bool) -> Option<f64> {
         let mut a = from;
         for _ in 0..REACH_ROUNDS {
-            let (upper, falls) = lowest(&self.upper.groups, a);
-            let (lower, rises) = lowest(&self.lower.groups, a);
+            let (upper, falls) = self.upper.lowest(a);
+            let (lower, rises) = self.lower.lowest(a);
             let width = upper + lower;
             // scaled by the terms that cancel, not by what they leave
             if width >= -REACH_WIDTH * (upper.abs() + (falls * a).abs() + lower.abs() + (rises * a).abs()) {
@@ -185,9 +190,14 @@ pub(crate) fn fastest(
     }
     let mut sets = vec![[ends[1]; 2]; count + 1];
     // the upper lines of every interval, and where each one's begin: for the way forwards
-    let mut kept: Vec<Group> = Vec::new();
+    let most = rows.lines_of_interval();
+    let mut interval = Interval {
+        upper: Lines::with_room(most),
+        lower: Lines::with_room(most),
+        cap: 0.0,
+    };
+    let (mut kept_at_rest, mut kept_slope) = (Vec::new(), Vec::new());
     let mut ranges = vec![0..0; count];
-    let mut interval = Interval::default();
     for i in (0..count).rev() {
         if i % BUDGET_EVERY == 0 {
             budget.check()?;
@@ -210,9 +220,10 @@ pub(crate) fn fastest(
             0.0
         };
         sets[i] = [low, high];
-        let begin = kept.len();
-        kept.extend_from_slice(&interval.upper.groups);
-        ranges[i] = begin..kept.len();
+        let (begin, lines) = (kept_slope.len(), interval.upper.count);
+        kept_at_rest.extend_from_slice(&interval.upper.at_rest[..lines]);
+        kept_slope.extend_from_slice(&interval.upper.slope[..lines]);
+        ranges[i] = begin..begin + lines;
     }
     let [low, high] = sets[0];
     if ends[0] > high {
@@ -223,9 +234,10 @@ pub(crate) fn fastest(
     }
     let mut squares = vec![ends[0]; count + 1];
     for i in 0..count {
-        let (b, _) = lowest(&kept[ranges[i].clone()], squares[i]);
+        let range = ranges[i].clone();
+        let (b, _) = lowest(&kept_at_rest[range.clone()], &kept_slope[range], squares[i]);
         let [low, high] = sets[i + 1];
-        squares[i + 1] = (squares[i] + 2.0 * grid.step(i) * b).clamp(low, high);
+        squares[i + 1] = (squares[i] + 2.0 * grid.step(i) * b).max(low).min(high);
     }
     Ok(Ok(squares))
 }

@@ -159,6 +159,12 @@ impl<'a> Rows<'a> {
         &self.pairs[place * self.per_sample..(place + 1) * self.per_sample]
     }
 
+    /// The most lines that bound b from one side on an interval: two of each pair, one of the speed at each place, one of what
+    /// follows.
+    pub(crate) fn lines_of_interval(&self) -> usize {
+        (self.places.parts + 1) * (2 * self.per_sample + 1) + 1
+    }
+
     fn add_torque(
         &mut self,
         coefficients: &Coefficients,
@@ -257,3 +263,6 @@ fn plane(first: [f64; 3], second: [f64; 3]) -> [f64; 3] {
     let across = std::array::from_fn(|k| second[k] - along * (first[k] / length));
     [length, along, dot(across, across).sqrt()]
 }
+
+#[cfg(test)]
+mod tests;

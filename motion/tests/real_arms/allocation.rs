@@ -2,7 +2,8 @@
 
 use takt_motion::dynamics::{self, Workspace};
 use takt_motion::kinematics;
-use takt_motion::nalgebra::Isometry3;
+use takt_motion::nalgebra::{Isometry3, Vector3};
+use takt_motion::process::generator::{CircleGenerator, TransitionGenerator};
 use takt_motion::robot::Robot;
 
 use super::example;
@@ -42,4 +43,17 @@ fn dynamics_and_kinematics_allocate_nothing() {
             assert!((back - asked).abs() < 1e-9, "{name}: {acceleration:?}");
         }
     }
+}
+
+#[test]
+fn set_points_at_constant_speed_allocate_nothing() {
+    let (center, start) = (Vector3::zeros(), Vector3::new(0.1, 0.0, 0.0));
+    let ahead = Vector3::new(0.0, 0.1, 0.0);
+    let mut points = 0;
+    let counted = allocation_counter::measure(|| {
+        let circle = CircleGenerator::new(center, Vector3::z(), start, 0.001).expect("a circle");
+        let transition = TransitionGenerator::source(&start, &center, &ahead, 50);
+        points = circle.take(1000).chain(transition).map(std::hint::black_box).count();
+    });
+    assert_eq!((counted.count_total, points), (0, 1050));
 }

@@ -8,7 +8,7 @@
 use nalgebra::Vector3;
 
 use super::quartic;
-use crate::tolerance::{IK_CLAMP, IK_NEARLY_FREE, IK_UNDETERMINED};
+use crate::tolerance::{IK_CLAMP, IK_IDEAL, IK_NEARLY_FREE, IK_UNDETERMINED};
 
 /// (cos θ, sin θ).
 pub(super) type Direction = (f64, f64);
@@ -30,6 +30,37 @@ impl Directions {
 
     pub(super) fn as_slice(&self) -> &[Direction] {
         &self.entry[..self.count]
+    }
+}
+
+/// What the equations of an arm that is not quite the ideal one let through, squared and over the circle's size.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Slack {
+    /// How far beyond the circle a solution may be.
+    beyond: f64,
+    /// How far apart two solutions are kept, so that Newton steps from them end at different ones.
+    apart: f64,
+}
+
+impl Slack {
+    /// Of an arm whose axes miss the ideal by `miss`, rad or over the arm's size.
+    pub(super) fn of(miss: f64) -> Self {
+        if miss <= IK_IDEAL {
+            return Self {
+                beyond: IK_CLAMP,
+                apart: 0.0,
+            };
+        }
+        let slack = IK_CLAMP.max(4.0 * miss);
+        Self {
+            beyond: slack,
+            apart: slack,
+        }
+    }
+
+    /// √x, where x may be below 0 by what is missing; `None` where it is further below.
+    pub(super) fn root(&self, x: f64) -> Option<f64> {
+        (x > -self.beyond).then(|| libm::sqrt(x.max(self.apart)))
     }
 }
 
@@ -78,7 +109,7 @@ impl Linear {
     }
 
     /// Where it is 0 on the circle. What misses the circle by little touches it: the arm is stretched there.
-    pub(super) fn zeros(&self) -> Directions {
+    pub(super) fn zeros(&self, slack: Slack) -> Directions {
         let mut zeros = Directions::default();
         let amplitude = self.amplitude();
         if amplitude <= 0.0 || !amplitude.is_finite() {
@@ -86,16 +117,15 @@ impl Linear {
         }
         // c·x + s·y = d with the unit vector (x, y): d·(x, y) ± √(1 − d²)·(−y, x)
         let (x, y, d) = (self.1 / amplitude, self.2 / amplitude, -self.0 / amplitude);
-        let half_chord = 1.0 - d * d;
-        if half_chord <= 0.0 {
-            if half_chord > -IK_CLAMP {
-                zeros.push((x * d.signum(), y * d.signum()));
-            }
+        let Some(w) = slack.root(1.0 - d * d) else {
             return zeros;
-        }
-        let w = libm::sqrt(half_chord);
+        };
+        let norm = libm::sqrt(d * d + w * w);
+        let (d, w) = (d / norm, w / norm);
         zeros.push((d * x - w * y, d * y + w * x));
-        zeros.push((d * x + w * y, d * y - w * x));
+        if w > 0.0 {
+            zeros.push((d * x + w * y, d * y - w * x));
+        }
         zeros
     }
 }
@@ -136,7 +166,7 @@ impl Conic {
 
     /// Where it is 0 on the circle: with t = tan(θ/2), c = (1 − t²)/(1 + t²) and s = 2t/(1 + t²), a quartic in t. Angles
     /// are counted from where the conic is largest opposite, so that no root is near t = ∞.
-    pub(super) fn zeros(&self) -> Directions {
+    pub(super) fn zeros(&self, slack: Slack) -> Directions {
         // five places on the circle: a conic that is 0 at all of them is 0 on the whole circle
         const PLACES: [Direction; 5] = [
             (1.0, 0.0),
@@ -161,7 +191,10 @@ impl Conic {
             f.k + f.kcc - f.kc,
         ];
         let mut zeros = Directions::default();
-        for t in quartic::nearly_real_roots(&polynomial).into_iter().flatten() {
+        for t in quartic::nearly_real_roots(&polynomial, libm::sqrt(slack.beyond))
+            .into_iter()
+            .flatten()
+        {
             let denominator = 1.0 + t * t;
             let (c, s) = ((1.0 - t * t) / denominator, 2.0 * t / denominator);
             zeros.push((c * from.0 - s * from.1, s * from.0 + c * from.1));
@@ -220,7 +253,7 @@ mod tests {
 
     use nalgebra::{Rotation3, Unit, Vector3};
 
-    use super::{Conic, Linear, beside, turning};
+    use super::{Conic, Linear, Slack, beside, turning};
     use crate::test_arms::random;
 
     fn vector(state: &mut u64) -> Vector3<f64> {
@@ -249,7 +282,7 @@ mod tests {
             conic.add_square(Linear(random(state), random(state), random(state)), 1.0);
             conic.add_square(Linear(random(state), random(state), random(state)), -1.0);
             conic.add(Linear(random(state), random(state), random(state)), 0.5);
-            let zeros = conic.zeros();
+            let zeros = conic.zeros(Slack::of(0.0));
             for &(c, s) in zeros.as_slice() {
                 assert!((c * c + s * s - 1.0).abs() < 1e-14);
                 assert!(conic.at((c, s)).abs() < 1e-12, "{conic:?}");
@@ -265,12 +298,15 @@ mod tests {
     #[test]
     fn lines_cut_the_circle_or_touch_it() {
         let line = Linear(-0.5, 0.6, 0.8);
-        for &(c, s) in line.zeros().as_slice() {
+        for &(c, s) in line.zeros(Slack::of(0.0)).as_slice() {
             assert!((0.6 * c + 0.8 * s - 0.5).abs() < 1e-15 && (c * c + s * s - 1.0).abs() < 1e-15);
         }
-        assert_eq!(line.zeros().as_slice().len(), 2);
-        assert_eq!(Linear(1.0 + 1e-9, 0.6, 0.8).zeros().as_slice(), [(-0.6, -0.8)]);
-        assert_eq!(Linear(1.1, 0.6, 0.8).zeros().as_slice(), []);
+        assert_eq!(line.zeros(Slack::of(0.0)).as_slice().len(), 2);
+        assert_eq!(
+            Linear(1.0 + 1e-9, 0.6, 0.8).zeros(Slack::of(0.0)).as_slice(),
+            [(-0.6, -0.8)]
+        );
+        assert_eq!(Linear(1.1, 0.6, 0.8).zeros(Slack::of(0.0)).as_slice(), []);
     }
 
     #[test]

@@ -20,8 +20,8 @@ use super::screws::{Frames, Place, Screws};
 use super::square::{Square, TASK};
 use crate::robot::JOINTS_MAX;
 use crate::tolerance::{
-    IK_ATTRACTION_ROUNDS, IK_DAMPING_FLOOR, IK_DAMPING_MAX, IK_FREE_PART, IK_FREE_STEP, IK_ITERATIONS, IK_RANK,
-    IK_ROUNDING, IK_STALLED, IK_STEP_MAX,
+    IK_ATTRACTION_ROUNDS, IK_DAMPING_FLOOR, IK_DAMPING_MAX, IK_FREE_PART, IK_FREE_STEP, IK_ITERATIONS, IK_POLISHED,
+    IK_RANK, IK_ROUNDING, IK_STALLED, IK_STEP_MAX,
 };
 
 /// What one run from a start came to.
@@ -104,7 +104,7 @@ impl<'a> Newton<'a> {
                 stale = false;
                 damping *= 8.0;
                 // no step however short helps: a minimum, or rounding
-                if gap.is_closed() || damping > IK_DAMPING_MAX {
+                if error <= IK_POLISHED * IK_POLISHED || damping > IK_DAMPING_MAX {
                     return Run { gap, work };
                 }
             }

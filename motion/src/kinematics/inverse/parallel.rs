@@ -16,7 +16,7 @@
 
 use nalgebra::Vector3;
 
-use super::circle::{Conic, Direction, Directions, Linear, beside, turning};
+use super::circle::{Conic, Direction, Directions, Linear, Slack, beside, turning};
 use super::six::{Candidate, Line, Motion, SIX, angle};
 use crate::tolerance::{IK_BESIDE_MIN, IK_GEOMETRY, IK_SEPARATE, IK_UNDETERMINED};
 
@@ -30,6 +30,7 @@ pub(super) struct Parallel {
     sign: [f64; 3],
     size: f64,
     hand: Hand,
+    slack: Slack,
     /// The right sides of the two equations, the second over the arm's size.
     tilt: Linear,
     offset: Linear,
@@ -49,7 +50,7 @@ enum Hand {
 }
 
 impl Parallel {
-    /// The closed form, and the largest sine between the axes that should be parallel.
+    /// The closed form, and by how much the axes miss what it takes them for, rad or over the arm's size.
     pub(super) fn new(lines: &[Line; SIX], size: f64) -> Option<(Self, f64)> {
         let mut lines = *lines;
         let h = lines[2].axis;
@@ -62,13 +63,18 @@ impl Parallel {
         (lines[4].point, lines[5].point) = (p5, p6);
         let arm = p6 - p5;
         let hand = match (
-            lines[4].sine(&lines[5]) <= IK_SEPARATE,
+            lines[4].sine(&lines[5]) <= IK_GEOMETRY,
             arm.norm() <= IK_SEPARATE * size,
         ) {
             (false, false) => Hand::Skew,
             (false, true) => Hand::Meeting,
             (true, false) => Hand::Parallel,
             (true, true) => return None,
+        };
+        let miss = match hand {
+            Hand::Skew => miss,
+            Hand::Meeting => miss.max(arm.norm() / size),
+            Hand::Parallel => miss.max(lines[4].sine(&lines[5])),
         };
         let across = |x: Vector3<f64>| x - h * h.dot(&x);
         let upper = across(lines[2].point - lines[1].point);
@@ -85,6 +91,7 @@ impl Parallel {
             sign,
             size,
             hand,
+            slack: Slack::of(miss),
             tilt: Linear::along_turned(&h, &h5, &lines[5].axis),
             offset: offset.scaled(1.0 / size),
             upper,
@@ -103,9 +110,9 @@ impl Parallel {
         let offset = left(target.of(&sixth.point) - first.point).scaled(1.0 / self.size);
         let mut both = |alone: (Linear, Linear), other: (Linear, Linear)| {
             // the one equation has no q₅, the other one two answers for each q₁
-            let shoulders = zeros_or(alone.0.minus(Linear(alone.1.0, 0.0, 0.0)), reference[0]);
+            let shoulders = zeros_or(alone.0.minus(Linear(alone.1.0, 0.0, 0.0)), self.slack, reference[0]);
             for &q1 in shoulders.as_slice() {
-                let fifth = other.1.minus(Linear(other.0.at(q1), 0.0, 0.0)).zeros();
+                let fifth = other.1.minus(Linear(other.0.at(q1), 0.0, 0.0)).zeros(self.slack);
                 for &q5 in fifth.as_slice() {
                     self.plane(q1, q5, target, reference, &mut candidates);
                 }
@@ -125,7 +132,7 @@ impl Parallel {
                 };
                 excess.add_square(tilt, 1.0 / t);
                 excess.add_square(offset, 1.0 / o);
-                for &q1 in excess.zeros().as_slice() {
+                for &q1 in excess.zeros(self.slack).as_slice() {
                     let (x, y) = (tilt.at(q1), offset.at(q1));
                     let q5 = (x * self.tilt.1 + y * self.offset.1, x * self.tilt.2 + y * self.offset.2);
                     let norm = libm::sqrt(q5.0 * q5.0 + q5.1 * q5.1);
@@ -168,7 +175,7 @@ impl Parallel {
             0.0,
             0.0,
         ));
-        for &q3 in excess.zeros().as_slice() {
+        for &q3 in excess.zeros(self.slack).as_slice() {
             let reached = self.upper + third.turn(q3) * self.lower;
             let q2 = turning(&self.h, &reached, &place, self.size, self.sign[0] * reference[1]);
             let [upper, elbow] = [angle(q2.direction), angle(q3)];
@@ -189,8 +196,8 @@ impl Parallel {
 }
 
 /// The zeros; where the equation says nothing of the angle, the reference.
-fn zeros_or(f: Linear, reference: f64) -> Directions {
-    let mut zeros = f.zeros();
+fn zeros_or(f: Linear, slack: Slack, reference: f64) -> Directions {
+    let mut zeros = f.zeros(slack);
     if f.amplitude() <= IK_UNDETERMINED {
         let (s, c) = libm::sincos(reference);
         zeros = Directions::default();

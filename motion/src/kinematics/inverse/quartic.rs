@@ -7,7 +7,7 @@
 //! (O. Aberth, "Iteration methods for finding all zeros of a polynomial simultaneously", 1973). Simple roots converge
 //! cubically, and to rounding; a radical formula would lose half of the digits to cancellation.
 
-use crate::tolerance::{IK_NEARLY_REAL, IK_ROOT_ROUNDING, IK_ROOT_ROUNDS};
+use crate::tolerance::{IK_ROOT_ROUNDING, IK_ROOT_ROUNDS};
 
 #[derive(Clone, Copy)]
 struct Complex {
@@ -15,15 +15,15 @@ struct Complex {
     im: f64,
 }
 
-/// The real parts of the roots of p₀ + p₁·t + … + p₄·t⁴ whose imaginary parts are small: a double root is a pair of
-/// complex ones as soon as its coefficients are rounded.
-pub(super) fn nearly_real_roots(p: &[f64; 5]) -> [Option<f64>; 4] {
+/// The real roots of p₀ + p₁·t + … + p₄·t⁴. A double root is a pair of complex ones as soon as its coefficients are
+/// rounded: of a pair with imaginary parts up to ± `nearly` the sums of both parts are taken, one on either side.
+pub(super) fn nearly_real_roots(p: &[f64; 5], nearly: f64) -> [Option<f64>; 4] {
     let is_usable = p[4] != 0.0 && p.iter().all(|coefficient| (coefficient / p[4]).is_finite());
     if !is_usable {
         return [None; 4];
     }
     let monic = [p[0] / p[4], p[1] / p[4], p[2] / p[4], p[3] / p[4]];
-    roots(&monic).map(|z| (z.im.abs() <= IK_NEARLY_REAL * (1.0 + z.re.abs())).then_some(z.re))
+    roots(&monic).map(|z| (z.im.abs() <= nearly * (1.0 + z.re.abs())).then_some(z.re + z.im))
 }
 
 /// The roots of m₀ + m₁·z + m₂·z² + m₃·z³ + z⁴.
@@ -128,7 +128,7 @@ mod tests {
     }
 
     fn sorted(p: &[f64; 5]) -> Vec<f64> {
-        let mut roots: Vec<f64> = nearly_real_roots(p).into_iter().flatten().collect();
+        let mut roots: Vec<f64> = nearly_real_roots(p, 1e-3).into_iter().flatten().collect();
         roots.sort_by(f64::total_cmp);
         roots
     }

@@ -22,9 +22,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::circle::{Conic, Linear, beside, turning};
+use super::circle::{Conic, Linear, Slack, beside, turning};
 use super::six::{Candidate, Line, Motion, SIX, angle};
-use crate::tolerance::{IK_BESIDE_MIN, IK_CLAMP, IK_GEOMETRY, IK_SEPARATE};
+use crate::tolerance::{IK_BESIDE_MIN, IK_GEOMETRY, IK_SEPARATE};
 
 /// What the geometry of the arm gives once.
 #[derive(Debug, Clone)]
@@ -38,6 +38,7 @@ pub(super) struct Wrist {
     /// The part of h₁ beside h₂.
     a: Vector3<f64>,
     shoulder: Shoulder,
+    slack: Slack,
     /// m.
     m: Linear,
     /// |y|².
@@ -55,7 +56,7 @@ enum Shoulder {
 }
 
 impl Wrist {
-    /// The closed form, and by how much the axes miss the wrist centre over the arm's size.
+    /// The closed form, and by how much the axes miss what it takes them for, rad or over the arm's size.
     pub(super) fn new(lines: &[Line; SIX], size: f64) -> Option<(Self, f64)> {
         let mut lines = *lines;
         let (center, miss) = meeting_point(&lines[3], &lines[4], &lines[5])?;
@@ -67,11 +68,16 @@ impl Wrist {
         let [h1, h2, h3] = [lines[0].axis, lines[1].axis, lines[2].axis];
         let a = h1 - h2 * h1.dot(&h2);
         let d = p2 - p1;
-        let shoulder = match (a.norm() <= IK_SEPARATE, d.norm() <= IK_SEPARATE * size) {
+        let shoulder = match (a.norm() <= IK_GEOMETRY, d.norm() <= IK_SEPARATE * size) {
             (false, false) => Shoulder::Skew,
             (false, true) => Shoulder::Meeting,
             (true, false) => Shoulder::Parallel,
             (true, true) => return None,
+        };
+        let miss = match shoulder {
+            Shoulder::Skew => miss / size,
+            Shoulder::Meeting => (miss / size).max(d.norm() / size),
+            Shoulder::Parallel => (miss / size).max(a.norm()),
         };
         // the wrist centre after joint 3, seen from axis 2
         let from_third = center - lines[2].point;
@@ -90,11 +96,12 @@ impl Wrist {
             d,
             a,
             shoulder,
+            slack: Slack::of(miss),
             m: Linear(h2.dot(&fixed), h2.dot(&circle[0]), h2.dot(&circle[1])),
             squared,
             beside: beside(&lines[5].axis),
         };
-        Some((form, miss / size))
+        Some((form, miss))
     }
 
     /// Every branch.
@@ -109,15 +116,15 @@ impl Wrist {
             .scaled(0.5);
         let (a_squared, d_squared) = (self.a.norm_squared(), self.d.norm_squared());
         let elbows = match self.shoulder {
-            Shoulder::Meeting => span.zeros(),
-            Shoulder::Parallel => height.zeros(),
+            Shoulder::Meeting => span.zeros(self.slack),
+            Shoulder::Parallel => height.zeros(self.slack),
             Shoulder::Skew => {
                 let mut excess = Conic::default();
                 excess.add_square(height, 1.0 / a_squared);
                 excess.add_square(span, 1.0 / d_squared);
                 excess.add_square(self.m, 1.0);
                 excess.add(self.squared, -1.0);
-                excess.zeros()
+                excess.zeros(self.slack)
             }
         };
         for &q3 in elbows.as_slice() {
@@ -131,11 +138,11 @@ impl Wrist {
                 Shoulder::Meeting => (self.a * (height.at(q3) / a_squared), h2.cross(&self.a)),
                 Shoulder::Parallel => (self.d * (span.at(q3) / d_squared), h2.cross(&self.d)),
             };
-            let rest = free - known.norm_squared();
-            if rest < -IK_CLAMP * self.size * self.size {
+            let squared_size = self.size * self.size;
+            let Some(rest) = self.slack.root((free - known.norm_squared()) / squared_size) else {
                 continue;
-            }
-            let rest = beside * (libm::sqrt(rest.max(0.0)) / beside.norm());
+            };
+            let rest = beside * (rest * self.size / beside.norm());
             self.arm(&(known + rest), q3, &g, target, reference, &mut candidates);
             if rest != Vector3::zeros() {
                 self.arm(&(known - rest), q3, &g, target, reference, &mut candidates);
@@ -185,7 +192,7 @@ impl Wrist {
         let h6 = rotation * sixth.axis;
         let excess =
             Linear::along_turned(&fourth.axis, &fifth.axis, &sixth.axis).minus(Linear(fourth.axis.dot(&h6), 0.0, 0.0));
-        for &q5 in excess.zeros().as_slice() {
+        for &q5 in excess.zeros(self.slack).as_slice() {
             let turned = fifth.turn(q5);
             let q4 = turning(&fourth.axis, &(turned * sixth.axis), &h6, 1.0, reference[3]);
             let rest = (fourth.turn(q4.direction) * turned).tr_mul(&(rotation * self.beside));

@@ -227,3 +227,8 @@ pub(super) fn tool_blend(extent: Extent) -> Option<Blend> {
 
 /// Joint positions in the middle of a UR's work.
 pub(super) const READY: [f64; 6] = [0.1, -1.4, 1.6, -1.7, -1.5, 0.3];
+
+/// Places on a stroke, its ends among them.
+pub(super) fn places(length: f64) -> impl Iterator<Item = f64> {
+    (0..=97).map(move |i| length * f64::from(i) / 97.0)
+}

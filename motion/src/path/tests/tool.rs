@@ -1,4 +1,4 @@
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::support::*;
 use crate::curve::{Curve, CurvePoint, Side};
@@ -6,12 +6,8 @@ use crate::kinematics::pose;
 use crate::path::outcome::PathInfeasibleReason;
 use crate::path::request::*;
 use crate::robot::Robot;
-use crate::test_arms::{random, values};
-
-/// Places on a stroke, its ends among them.
-fn places(length: f64) -> impl Iterator<Item = f64> {
-    (0..=97).map(move |i| length * f64::from(i) / 97.0)
-}
+use crate::robot::spec::JointKind;
+use crate::test_arms::{random, random_arm, values};
 
 #[test]
 fn a_line_is_straight_and_turns_about_one_axis() {
@@ -56,132 +52,10 @@ fn the_parameter_is_normalised_time() {
     assert!((mean - 1.0).abs() < 0.01, "{mean}");
 }
 
-/// p′, p″, p‴ of the tool agree with the curve that the joints were made to follow.
-#[test]
-fn forward_kinematics_gives_the_curve_back() {
-    let robot = ur5e();
-    let via = to_pose(shifted(&robot, &READY, [0.05, 0.1, 0.0], [0.0; 3]));
-    let end = to_pose(shifted(&robot, &READY, [0.1, 0.0, 0.05], [0.3, 0.0, 0.2]));
-    let circle = Circle::Via {
-        point: via,
-        second: None,
-    };
-    let segments = vec![arc(circle, Some(end), ArcOrientation::Interpolated, None)];
-    let program = program(&robot, &request(&READY, segments));
-    let stroke = &program.strokes[0];
-    let way = program.tool_lengths[0];
-    let pace = way / stroke.length();
-    let mut point = CurvePoint::new(6);
-    for s in places(stroke.length()) {
-        stroke.evaluate(s, Side::After, &mut point);
-        let tool = stroke.tool(&point);
-        // at constant speed on a circle: |p′| = σ, p″ ⟂ p′, |p″| = σ²/r, p‴ = −σ²/r²·p′
-        assert!((tool.first.norm() - pace).abs() < 1e-12);
-        assert!(tool.first.dot(&tool.second).abs() < 1e-10);
-        let radius = pace * pace / tool.second.norm();
-        let square = (pace / radius).powi(2);
-        assert!(
-            (tool.third + tool.first * square).norm() < 1e-9 * (1.0 + tool.third.norm()),
-            "{s}"
-        );
-    }
-}
-
-fn check_arc(robot: &Robot, segments: Segment, center: Vector3<f64>, normal: Vector3<f64>, sweep: f64) {
-    let program = program(robot, &request(&READY, vec![segments]));
-    let stroke = &program.strokes[0];
-    let start = pose(robot, &READY, &tcp()).translation.vector;
-    let radius = (start - center).norm();
-    for s in places(stroke.length()) {
-        let to = tool_at(robot, stroke, s).translation.vector - center;
-        assert!((to.norm() - radius).abs() < 1e-12, "{}", to.norm() - radius);
-        assert!(to.dot(&normal).abs() < 1e-12);
-        let turn = UnitQuaternion::from_scaled_axis(normal * (sweep * s / stroke.length()));
-        assert!((turn * (start - center) - to).norm() < 1e-12);
-    }
-    assert!((program.tool_lengths[0] - radius * sweep).abs() < 1e-12);
-    check_derivatives(stroke, 2);
-}
-
-#[test]
-fn arcs_are_round_however_they_are_given() {
-    let robot = ur5e();
-    let start = pose(&robot, &READY, &tcp()).translation.vector;
-    let normal = Vector3::new(0.2, -0.1, 1.0).normalize();
-    let radial = normal.cross(&Vector3::x()).normalize() * 0.08;
-    let center = start - radial;
-    let point = |angle: f64| center + UnitQuaternion::from_scaled_axis(normal * angle) * radial;
-    let taught = |angle: f64| {
-        let by = point(angle) - start;
-        to_pose(shifted(&robot, &READY, by.into(), [0.0; 3]))
-    };
-    for sweep in [1.0, 2.5, 4.0, 5.5] {
-        let via = Circle::Via {
-            point: taught(0.4 * sweep),
-            second: None,
-        };
-        let about = Circle::Center {
-            center,
-            normal: Some(normal * 3.0),
-            long_way: false,
-            frame: None,
-        };
-        let radius = Circle::Radius {
-            radius: 0.08,
-            normal,
-            long_way: sweep > std::f64::consts::PI,
-            frame: None,
-        };
-        for circle in [via, about, radius] {
-            let segment = arc(circle, Some(taught(sweep)), ArcOrientation::Interpolated, None);
-            check_arc(&robot, segment, center, normal, sweep);
-        }
-    }
-    let full = Circle::Center {
-        center,
-        normal: Some(normal),
-        long_way: false,
-        frame: None,
-    };
-    let through = Circle::Via {
-        point: taught(1.0),
-        second: Some(taught(2.0)),
-    };
-    for circle in [full, through] {
-        let segment = arc(circle, None, ArcOrientation::Interpolated, None);
-        check_arc(&robot, segment, center, normal, std::f64::consts::TAU);
-    }
-}
-
-#[test]
-fn with_the_tangent_the_tool_keeps_its_angle_to_the_way() {
-    let robot = ur5e();
-    let start = pose(&robot, &READY, &tcp());
-    let circle = Circle::Center {
-        center: start.translation.vector + Vector3::new(0.0, 0.07, 0.0),
-        normal: Some(Vector3::z()),
-        long_way: false,
-        frame: None,
-    };
-    let target = to_pose(shifted(&robot, &READY, [0.07, 0.07, 0.0], [0.0; 3]));
-    let segment = arc(circle, Some(target), ArcOrientation::Tangent, None);
-    let program = program(&robot, &request(&READY, vec![segment]));
-    let stroke = &program.strokes[0];
-    let mut point = CurvePoint::new(6);
-    let mut first = None;
-    for s in places(stroke.length()) {
-        stroke.evaluate(s, Side::After, &mut point);
-        let tangent = stroke.tool(&point).first.normalize();
-        let seen = tool_at(&robot, stroke, s).rotation.inverse() * tangent;
-        let first = *first.get_or_insert(seen);
-        assert!((seen - first).norm() < 1e-11);
-    }
-}
-
 #[test]
 fn a_taught_frame_carries_its_poses() {
     let mut spec = ur5e().spec().clone();
-    let frame = nalgebra::Isometry3::new(Vector3::new(0.3, -0.2, 0.1), Vector3::new(0.0, 0.0, 0.7));
+    let frame = Isometry3::new(Vector3::new(0.3, -0.2, 0.1), Vector3::new(0.0, 0.0, 0.7));
     spec.frames.push(("table".to_owned(), frame));
     let robot = Robot::new(spec, Vec::new()).unwrap();
     let end = shifted(&robot, &READY, [0.1, 0.05, 0.0], [0.0; 3]);
@@ -269,22 +143,6 @@ fn a_line_that_would_change_the_configuration_says_so() {
     );
 }
 
-#[test]
-fn a_wrong_arc_is_named_where_it_is_wrong() {
-    let robot = ur5e();
-    let taught = |by: f64| to_pose(shifted(&robot, &READY, [by, 0.0, 0.0], [0.0; 3]));
-    let circle = Circle::Via {
-        point: taught(0.05),
-        second: None,
-    };
-    let segment = arc(circle, Some(taught(0.1)), ArcOrientation::Interpolated, None);
-    let finding = &refused(&robot, &request(&READY, vec![segment]))[0];
-    assert_eq!(
-        finding,
-        "segments[0].arc.via: start, via point and end lie on one line, or two of them coincide"
-    );
-}
-
 /// Seven joints: one is led, and what it does is the same every time.
 #[test]
 fn a_line_of_seven_joints() {
@@ -318,7 +176,7 @@ fn random_arms_follow_or_say_why_not() {
     let state = &mut 77;
     let mut followed = 0;
     for seed in 0..60 {
-        let robot = Robot::new(crate::test_arms::random_arm(6, seed), Vec::new()).unwrap();
+        let robot = Robot::new(random_arm(6, seed), Vec::new()).unwrap();
         let q = values(6, 1.0, state);
         let by = values(3, 0.2, state).try_into().unwrap();
         let end = shifted(
@@ -342,4 +200,69 @@ fn random_arms_follow_or_say_why_not() {
         }
     }
     assert!(followed > 20, "{followed}");
+}
+
+/// The range of a joint, tightened until a line leaves it: the answer says where, and what the joint would need.
+#[test]
+fn a_line_that_leaves_a_joints_range_says_where() {
+    let robot = ur5e();
+    let end = shifted(&robot, &READY, [0.1, 0.15, 0.0], [0.0; 3]);
+    let mut request = request(&READY, vec![line(to_pose(end), None)]);
+    let free = program(&robot, &request);
+    let stroke = &free.strokes[0];
+    let target = at(stroke, stroke.length(), Side::Before).position[0];
+    let limit = 0.5 * (READY[0] + target);
+    request.segments[0].limits.push(crate::plan::request::LimitOverride {
+        joint: robot.spec().joints[0].name.clone(),
+        position_upper: Some(limit),
+        ..Default::default()
+    });
+    let infeasible = outcome(&robot, &request).unwrap().unwrap_err();
+    assert_eq!(
+        (infeasible.reason, infeasible.joint),
+        (PathInfeasibleReason::JointRange, Some(0))
+    );
+    assert_eq!(infeasible.available, limit);
+    assert!(infeasible.needed > limit && infeasible.needed <= target + 1e-12);
+    let s = infeasible.reachable_fraction.unwrap() * stroke.length();
+    assert!((at(stroke, s, Side::After).position[0] - limit).abs() < 1e-9);
+}
+
+/// Four joints: turning, turning, sliding, turning, all about the vertical.
+fn scara() -> Robot {
+    let mut spec = random_arm(4, 1);
+    spec.link_from_tip = Isometry3::identity();
+    let offsets = [[0.0, 0.0, 0.4], [0.35, 0.0, 0.0], [0.25, 0.0, 0.0], [0.0, 0.0, 0.0]];
+    for (index, (joint, offset)) in spec.joints.iter_mut().zip(offsets).enumerate() {
+        joint.kind = if index == 2 {
+            JointKind::Prismatic
+        } else {
+            JointKind::Revolute
+        };
+        joint.parent_from_joint = Isometry3::translation(offset[0], offset[1], offset[2]);
+        joint.axis = Vector3::z();
+    }
+    Robot::new(spec, Vec::new()).unwrap()
+}
+
+#[test]
+fn a_scara_follows_what_it_can_and_names_what_it_cannot() {
+    let robot = scara();
+    let start = [0.4, 0.9, -0.1, 0.2];
+    let end = shifted(&robot, &start, [-0.15, 0.05, 0.05], [0.0, 0.0, 0.8]);
+    let level = program(&robot, &request(&start, vec![line(to_pose(end), None)]));
+    let stroke = &level.strokes[0];
+    let from = pose(&robot, &start, &tcp()).translation.vector;
+    for s in places(stroke.length()) {
+        let tool = tool_at(&robot, stroke, s).translation.vector;
+        let expected = from + (end.translation.vector - from) * (s / stroke.length());
+        assert!((tool - expected).norm() < 1e-12);
+    }
+    check_derivatives(stroke, 4);
+    let tilted = shifted(&robot, &start, [-0.15, 0.05, 0.05], [0.3, 0.0, 0.0]);
+    let infeasible = outcome(&robot, &request(&start, vec![line(to_pose(tilted), None)]))
+        .unwrap()
+        .unwrap_err();
+    assert_eq!(infeasible.reason, PathInfeasibleReason::OutOfReach);
+    assert!(infeasible.needed > 0.2 && infeasible.needed < 0.31, "{infeasible:?}");
 }

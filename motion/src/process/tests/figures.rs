@@ -1,5 +1,6 @@
 //! A line and two arcs that meet at corners, against SciPy 1.17.1: seams by `BPoly.from_derivatives` in time, arcs by
-//! `Rotation.from_rotvec`, extremes by `minimize_scalar` after a dense look, and where the nearest segment changes by `brentq`.
+//! `Rotation.from_rotvec`, extremes by `minimize_scalar` after a dense look, and where the nearest segment changes by
+//! `brentq`.
 
 use super::*;
 

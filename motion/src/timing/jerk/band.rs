@@ -42,21 +42,19 @@ impl Band {
 
     /// Solves for the right side `x`, in place; after [`Band::factorize`].
     pub(crate) fn solve(&self, x: &mut [f64]) {
-        let size = self.rows.len().min(x.len());
         // the last three values of y, nearest first: in registers rather than read back
         let [mut y1, mut y2, mut y3] = [0.0; 3];
         let [mut l1, mut l2, mut l3] = [[0.0; 4]; 3];
-        for i in 0..size {
-            let y = x[i] - l3[3] * y3 - l2[2] * y2 - l1[1] * y1;
-            x[i] = y;
+        for (x, row) in x.iter_mut().zip(&self.rows) {
+            let y = *x - l3[3] * y3 - l2[2] * y2 - l1[1] * y1;
+            *x = y;
             (y3, y2, y1) = (y2, y1, y);
-            (l3, l2, l1) = (l2, l1, self.rows[i]);
+            (l3, l2, l1) = (l2, l1, *row);
         }
         [y1, y2, y3] = [0.0; 3];
-        for i in (0..size).rev() {
-            let [pivot, l1, l2, l3] = self.rows[i];
-            let y = x[i] / pivot - l3 * y3 - l2 * y2 - l1 * y1;
-            x[i] = y;
+        for (x, [pivot, l1, l2, l3]) in x.iter_mut().zip(&self.rows).rev() {
+            let y = *x / pivot - l3 * y3 - l2 * y2 - l1 * y1;
+            *x = y;
             (y3, y2, y1) = (y2, y1, y);
         }
     }

@@ -1,96 +1,113 @@
 //! How much of every limit a profile uses, between samples too.
 //!
-//! Each interval has eight points, both ends included, where every limit is evaluated exactly. Between two of them a
-//! value v that were a parabola peaks at most |Δ²v|/8 above the higher one, Δ²v the second difference there; that is
-//! added on the side to which the parabola bulges, with the largest Δ²v of the point and its neighbours. The bound is rigorous
-//! up to third differences, which the grid keeps small.
+//! Each interval (each part of it, where a knot is inside) has eight points, both ends included, where every limit is
+//! evaluated exactly. Between two of them a value v that were a parabola peaks at most |Δ²v|/8 above the higher one,
+//! Δ²v the second difference there; that is added on the side to which the parabola bulges, with the largest Δ²v of the
+//! point and its neighbours. The bound is rigorous up to third differences, which the grid keeps small.
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Arch;
 
 use super::profile::Profile;
 use super::rows::Tightening;
+use super::uses::{POINTS, Points, Rates, Sweep, Uses};
 use crate::budget::{Budget, Stopped};
 use crate::curve::Side;
 use crate::timing::coefficients::Coefficients;
-use crate::timing::grid::Place;
-use crate::timing::limits::{JointLimits, Limits};
+use crate::timing::grid::{Place, fixed_nodes};
+use crate::timing::limits::Limits;
 use crate::timing::{Obstacle, Task, standstill};
 use crate::tolerance::{CERTIFIED, JERK_TIGHTEN_MIN, JERK_TIGHTEN_TO};
-
-/// Points of an interval.
-const POINTS: usize = 8;
-
-/// A value at the points of one interval.
-type Points = [f64; POINTS];
 
 /// The coefficients of every limit at all points of a grid; a use of 1 is all of the limit.
 #[derive(Debug)]
 pub(crate) struct Certificate<'a> {
     pub(super) limits: &'a Limits,
     pub(super) at: Coefficients,
+    cells: Vec<Cell>,
     pub(super) rates: Vec<Rates>,
     uses: Vec<Uses>,
 }
 
-/// The motion at the points of one interval: ṡ, ṡ², s̈ and s⃛.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Rates {
-    pub(super) velocity: Points,
-    pub(super) square: Points,
-    pub(super) acceleration: Points,
-    pub(super) jerk: Points,
+/// An interval of the grid, or a part of one where it has a knot of the path or a border of limits inside.
+#[derive(Debug, Clone, Copy)]
+struct Cell {
+    interval: usize,
+    /// Parts of the interval.
+    from: f64,
+    to: f64,
 }
 
-/// Parts of the limits that are used, at most, around each point of one interval.
-#[derive(Debug, Clone, Copy, Default)]
-struct Uses {
-    jerk: Points,
-    /// Of joints and tool.
-    acceleration: Points,
-    torque: Points,
-    /// Of the largest ṡ².
-    square: Points,
-    /// How much slower the motion must be for torque.
-    torque_speed: f64,
+impl Cell {
+    /// Where a point is, as part of the interval.
+    fn part(&self, point: usize) -> f64 {
+        self.from + (self.to - self.from) * (point as f64 / (POINTS - 1) as f64)
+    }
 }
 
 impl<'a> Certificate<'a> {
     /// # Errors
     /// [`Stopped`], when nobody waits any more.
     pub(crate) fn new(task: &Task<'a>, nodes: &[f64], budget: &Budget<'_>) -> Result<Result<Self, Obstacle>, Stopped> {
-        let mut places = Vec::with_capacity(POINTS * nodes.len());
-        for pair in nodes.windows(2) {
-            let inner = (1..POINTS - 1).map(|k| pair[0] + part(k) * (pair[1] - pair[0]));
-            let place = |side| move |s| Place { s, side };
-            places.extend([pair[0]].map(place(Side::After)));
-            places.extend(inner.chain([pair[1]]).map(place(Side::Before)));
+        let fixed = fixed_nodes(task.curve, task.limits);
+        let mut cells = Vec::with_capacity(nodes.len() + fixed.len());
+        let mut places = Vec::with_capacity(POINTS * cells.capacity());
+        for (interval, pair) in nodes.windows(2).enumerate() {
+            let h = pair[1] - pair[0];
+            let mut from = pair[0];
+            for to in inside(&fixed, pair).iter().chain([&pair[1]]) {
+                let inner = (1..POINTS - 1).map(|k| from + (to - from) * (k as f64 / (POINTS - 1) as f64));
+                let place = |side| move |s| Place { s, side };
+                places.extend([from].map(place(Side::After)));
+                places.extend(inner.chain([*to]).map(place(Side::Before)));
+                let [from_part, to_part] = [(from - pair[0]) / h, (to - pair[0]) / h];
+                cells.push(Cell {
+                    interval,
+                    from: from_part,
+                    to: to_part,
+                });
+                from = *to;
+            }
         }
         let at = Coefficients::compute(task.robot, task.tcp, task.curve, task.limits, &places, budget)?;
         if let Some(obstacle) = standstill::obstacle(&at, task.limits) {
             return Ok(Err(obstacle));
         }
-        let intervals = nodes.len() - 1;
+        let count = cells.len();
         Ok(Ok(Self {
             limits: task.limits,
             at,
-            rates: vec![Rates::default(); intervals],
-            uses: vec![Uses::default(); intervals],
+            cells,
+            rates: vec![Rates::default(); count],
+            uses: vec![Uses::default(); count],
         }))
     }
 
-    /// Which sample of the coefficients a point of an interval is.
-    pub(super) fn place(&self, interval: usize, point: usize) -> usize {
-        interval * POINTS + point
+    /// Which sample of the coefficients a point of a cell is.
+    pub(super) fn place(cell: usize, point: usize) -> usize {
+        cell * POINTS + point
+    }
+
+    /// The cells of an interval.
+    fn within(&self, interval: usize) -> std::ops::Range<usize> {
+        let below = |limit: usize| self.cells.partition_point(|cell| cell.interval < limit);
+        below(interval)..below(interval + 1)
+    }
+
+    /// The cell in the middle of each interval.
+    pub(super) fn middles(&self) -> impl Iterator<Item = usize> + '_ {
+        let is_middle = |cell: &Cell| cell.from < 0.5 && cell.to >= 0.5;
+        (0..self.cells.len()).filter(move |cell| is_middle(&self.cells[*cell]))
     }
 
     /// The largest even change of speed, at most 1, with which no limit is exceeded; for torque, a safe estimate.
     /// `None` where the profile stands still or turns round between samples.
     pub(crate) fn measure(&mut self, profile: &Profile<'_>) -> Option<f64> {
-        for (interval, rates) in self.rates.iter_mut().enumerate() {
+        for (cell, rates) in self.cells.iter().zip(&mut self.rates) {
             for k in 0..POINTS {
-                let [square, acceleration, jerk] = profile.rates(interval, part(k));
-                let is_rest =
-                    (interval == 0 && k == 0) || (interval + 1 == profile.interval_count() && k + 1 == POINTS);
+                let (interval, part) = (cell.interval, cell.part(k));
+                let [square, acceleration, jerk] = profile.rates(interval, part);
+                let last = profile.interval_count() - 1;
+                let is_rest = (interval == 0 && part <= 0.0) || (interval == last && part >= 1.0);
                 if !is_rest && (square.is_nan() || square <= 0.0) {
                     return None;
                 }
@@ -122,39 +139,42 @@ impl<'a> Certificate<'a> {
         Some(speed)
     }
 
-    /// How much less of the limits a sample at the part `part` of an interval may use, so that nothing around it is exceeded. At the ends of the grid the sample answers for its rest interval too.
+    /// How much less of the limits a sample at the part `part` of an interval may use, so that nothing around it is
+    /// exceeded. At the ends of the grid the sample answers for its rest interval too.
     pub(crate) fn tightening(&self, interval: usize, part: f64) -> Tightening {
         let mut uses = [0.0_f64; 4];
-        let mut add = |interval: usize, points: std::ops::Range<usize>| {
-            let found = &self.uses[interval];
-            let columns = [&found.jerk, &found.acceleration, &found.torque, &found.square];
-            for (worst, column) in uses.iter_mut().zip(columns) {
-                *worst = column[points.clone()].iter().copied().fold(*worst, f64::max);
+        let mut add = |interval: usize, low: f64, high: f64| {
+            for cell in self.within(interval) {
+                let found = &self.uses[cell];
+                let columns = [&found.jerk, &found.acceleration, &found.torque, &found.square];
+                for k in 0..POINTS {
+                    let at = self.cells[cell].part(k);
+                    if low <= at && at <= high {
+                        for (worst, column) in uses.iter_mut().zip(columns) {
+                            *worst = worst.max(column[k]);
+                        }
+                    }
+                }
             }
         };
-        let (first, second) = (0..POINTS / 2, POINTS / 2..POINTS);
         if part <= 0.0 || part >= 1.0 {
             let after = if part > 0.0 { interval + 1 } else { interval };
-            add(after - 1, second);
-            add(after, first);
+            add(after - 1, 0.5, 1.0);
+            add(after, 0.0, 0.5);
         } else {
-            if part <= 0.5 {
-                add(interval, first);
-            }
-            if part >= 0.5 {
-                add(interval, second);
-            }
+            add(interval, 0.0, 1.0);
         }
-        let last = self.uses.len() - 1;
+        let last = self.cells.last().map_or(0, |cell| cell.interval);
         let rest = match (interval, part) {
-            (1, 0.0) => Some(&self.uses[0]),
-            (i, 1.0) if i + 1 == last => Some(&self.uses[last]),
-            _ => None,
+            (1, 0.0) => self.within(0),
+            (i, 1.0) if i + 1 == last => self.within(last),
+            _ => 0..0,
         };
-        let at_rest = rest.map_or(0.0, |uses| {
+        let at_rest = self.uses[rest].iter().flat_map(|uses| {
             let columns = [&uses.jerk, &uses.acceleration, &uses.torque, &uses.square];
-            columns.into_iter().flatten().copied().fold(0.0, f64::max)
+            columns.into_iter().flatten().copied()
         });
+        let at_rest = at_rest.fold(0.0, f64::max);
         let [jerk, acceleration, torque, square] = uses.map(left);
         Tightening {
             jerk,
@@ -165,8 +185,11 @@ impl<'a> Certificate<'a> {
     }
 }
 
-fn part(k: usize) -> f64 {
-    k as f64 / (POINTS - 1) as f64
+/// Those of sorted places that are strictly inside an interval.
+pub(super) fn inside<'a>(places: &'a [f64], interval: &[f64]) -> &'a [f64] {
+    let from = places.partition_point(|s| *s <= interval[0]);
+    let to = places.partition_point(|s| *s < interval[1]);
+    &places[from..to.max(from)]
 }
 
 /// What part of a limit is to be left, where `used` of it is used.
@@ -175,158 +198,4 @@ fn left(used: f64) -> f64 {
         return 1.0;
     }
     (JERK_TIGHTEN_TO / used).max(JERK_TIGHTEN_MIN)
-}
-
-struct Sweep<'a> {
-    limits: &'a Limits,
-    at: &'a Coefficients,
-    rates: &'a [Rates],
-    uses: &'a mut [Uses],
-}
-
-impl WithSimd for Sweep<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) {
-        for (interval, (rates, uses)) in self.rates.iter().zip(self.uses).enumerate() {
-            let first = interval * POINTS;
-            // borders of stretches are nodes: an interval has one set of limits
-            let stretch = &self.limits.stretches[self.at.stretch[first]];
-            *uses = Uses {
-                torque_speed: 1.0,
-                ..Uses::default()
-            };
-            for (joint, limits) in stretch.joints.iter().enumerate() {
-                let entry = joint * self.at.stride + first;
-                joint_uses(self.at, entry, limits, rates, uses);
-            }
-            for k in 0..POINTS {
-                uses.square[k] = rates.square[k] / self.at.speed_bound[first + k];
-            }
-            if let Some(limit) = stretch.tool_acceleration {
-                tool_uses(self.at, first, limit, rates, uses);
-            }
-        }
-    }
-}
-
-#[inline(always)]
-fn column(values: &[f64], entry: usize) -> &Points {
-    values[entry..].first_chunk().unwrap_or(&[f64::NAN; POINTS])
-}
-
-#[inline(always)]
-fn joint_uses(at: &Coefficients, entry: usize, limits: &JointLimits, rates: &Rates, uses: &mut Uses) {
-    let first = column(&at.terms.first, entry);
-    let second = column(&at.terms.second, entry);
-    let (velocity, square, acceleration) = (&rates.velocity, &rates.square, &rates.acceleration);
-    let mut value = [0.0; POINTS];
-    if let Some(limit) = limits.jerk {
-        let third = column(&at.third, entry);
-        for k in 0..POINTS {
-            let by_second = 3.0 * velocity[k] * acceleration[k];
-            let by_third = velocity[k] * square[k];
-            value[k] = (first[k] * rates.jerk[k] + second[k] * by_second + third[k] * by_third) / limit;
-        }
-        let [up, down] = peaks(&value);
-        for k in 0..POINTS {
-            uses.jerk[k] = uses.jerk[k].max(up[k]).max(down[k]);
-        }
-    }
-    if let Some(limit) = limits.acceleration {
-        for k in 0..POINTS {
-            value[k] = (first[k] * acceleration[k] + second[k] * square[k]) / limit;
-        }
-        let [up, down] = peaks(&value);
-        for k in 0..POINTS {
-            uses.acceleration[k] = uses.acceleration[k].max(up[k]).max(down[k]);
-        }
-    }
-    if let Some(limit) = limits.torque {
-        torque_uses(at, entry, limit, rates, uses);
-    }
-}
-
-/// Coulomb torque jumps where a joint turns round: it is added after the parabola.
-#[inline(always)]
-fn torque_uses(at: &Coefficients, entry: usize, limit: f64, rates: &Rates, uses: &mut Uses) {
-    let mass = column(&at.terms.mass, entry);
-    let bend = column(&at.terms.velocity, entry);
-    let viscous = column(&at.viscous, entry);
-    let gravity = column(&at.terms.gravity, entry);
-    let high = column(&at.coulomb_high, entry);
-    let low = column(&at.coulomb_low, entry);
-    let mut value = [0.0; POINTS];
-    for k in 0..POINTS {
-        let dynamic = mass[k] * rates.acceleration[k] + bend[k] * rates.square[k] + viscous[k] * rates.velocity[k];
-        value[k] = (dynamic + gravity[k]) / limit;
-    }
-    let [up, down] = peaks(&value);
-    let mut worst = 0.0_f64;
-    for k in 0..POINTS {
-        let used = (up[k] + high[k] / limit).max(down[k] - low[k] / limit);
-        uses.torque[k] = uses.torque[k].max(used);
-        worst = worst.max(used);
-    }
-    if worst <= CERTIFIED {
-        return;
-    }
-    for k in 0..POINTS {
-        let sides = [
-            (up[k] + high[k] / limit, (gravity[k] + high[k]) / limit),
-            (down[k] - low[k] / limit, -(gravity[k] + low[k]) / limit),
-        ];
-        for (used, at_rest) in sides {
-            if used > CERTIFIED {
-                // what motion adds grows with its speed or with the square of it: the slower of the two
-                uses.torque_speed = uses.torque_speed.min((CERTIFIED - at_rest) / (used - at_rest));
-            }
-        }
-    }
-}
-
-#[inline(always)]
-fn tool_uses(at: &Coefficients, first: usize, limit: f64, rates: &Rates, uses: &mut Uses) {
-    let mut squares = [0.0; POINTS];
-    for axis in 0..3 {
-        let p1 = column(&at.terms.tool_first, axis * at.stride + first);
-        let p2 = column(&at.terms.tool_second, axis * at.stride + first);
-        for k in 0..POINTS {
-            let value = p1[k] * rates.acceleration[k] + p2[k] * rates.square[k];
-            squares[k] += value * value;
-        }
-    }
-    let mut value = [0.0; POINTS];
-    for k in 0..POINTS {
-        value[k] = squares[k].sqrt() / limit;
-    }
-    let [up, _] = peaks(&value);
-    for k in 0..POINTS {
-        uses.acceleration[k] = uses.acceleration[k].max(up[k]);
-    }
-}
-
-/// The largest value and the largest negative value around each point.
-#[inline(always)]
-fn peaks(value: &Points) -> [Points; 2] {
-    let mut second = [0.0; POINTS];
-    for k in 1..POINTS - 1 {
-        second[k] = value[k - 1] - 2.0 * value[k] + value[k + 1];
-    }
-    second[0] = second[1];
-    second[POINTS - 1] = second[POINTS - 2];
-    let (mut least, mut most) = (second, second);
-    for k in 1..POINTS {
-        least[k] = least[k].min(second[k - 1]);
-        most[k] = most[k].max(second[k - 1]);
-        least[k - 1] = least[k - 1].min(second[k]);
-        most[k - 1] = most[k - 1].max(second[k]);
-    }
-    let mut peaks = [[0.0; POINTS]; 2];
-    for k in 0..POINTS {
-        peaks[0][k] = value[k] + (-least[k]).max(0.0) / 8.0;
-        peaks[1][k] = most[k].max(0.0) / 8.0 - value[k];
-    }
-    peaks
 }

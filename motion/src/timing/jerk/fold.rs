@@ -111,10 +111,13 @@ impl WithSimd for Recenter<'_> {
         for (k, sample) in self.samples.iter().enumerate() {
             let (block, lane) = (k / LANES_MAX, k % LANES_MAX);
             let second = &self.seconds[block];
-            let mut g = [0.0; 3];
-            for k in 0..3 {
-                g[k] = self.center * second.center[k][lane] - self.damping * second.cross[k][lane];
-            }
+            let [ga, gb, gc] = &second.center;
+            let [xa, xb, xc] = &second.cross;
+            let g = [
+                self.center * ga[lane] - self.damping * xa[lane],
+                self.center * gb[lane] - self.damping * xb[lane],
+                self.center * gc[lane] - self.damping * xc[lane],
+            ];
             let base = sample.form.base;
             let x = &mut self.x[base..base + 4];
             let [ea, eb, ec] = &sample.form.rows;

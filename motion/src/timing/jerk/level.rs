@@ -1,11 +1,12 @@
 //! One grid: its spline, its samples and their rows.
 //!
-//! Samples are the inner nodes (on a knot of the path or a border of the limits, one on each side) and the middles of the
-//! inner intervals: at nodes alone, c could zigzag around limits of acceleration and torque in between. What bounds the first and last interval, where the law of
-//! constant jerk holds, is linear in powers of its one number a₁: eight samples of each bound a₁ from above.
+//! Samples are the inner nodes (on a knot of the path or a border of the limits, one on each side) and the middles of
+//! the inner intervals: at nodes alone, c could zigzag around limits of acceleration and torque in between. What bounds
+//! the first and last interval, where the law of constant jerk holds, is linear in powers of its one number a₁: eight
+//! samples of each bound a₁ from above.
 
 use super::basis::Basis;
-use super::certificate::Certificate;
+use super::certificate::{Certificate, inside};
 use super::fold::Sample;
 use super::interior::Problem;
 use super::profile::Profile;
@@ -114,7 +115,7 @@ impl Kinds {
 }
 
 impl Level {
-    /// Over nodes, of which the `fixed` ones have a sample on each side.
+    /// Over nodes; `fixed` places have a sample on each side, nodes or not.
     ///
     /// # Errors
     /// [`Stopped`], when nobody waits any more.
@@ -144,8 +145,14 @@ impl Level {
                 places.push(after(low));
                 parts.push((interval, 0.0));
             }
-            places.push(before(0.5 * (low + high)));
-            parts.push((interval, 0.5));
+            // both sides of what was too close to another node to be one, too
+            let close = inside(fixed, &[low, high]).iter().flat_map(|s| [before(*s), after(*s)]);
+            let mut inner: Vec<Place> = close.chain([before(0.5 * (low + high))]).collect();
+            inner.sort_by(|a, b| a.s.total_cmp(&b.s));
+            for place in inner {
+                parts.push((interval, (place.s - low) / (high - low)));
+                places.push(place);
+            }
             node_samples.push(parts.len());
             places.push(before(high));
             parts.push((interval, 1.0));
@@ -218,7 +225,8 @@ impl Level {
         x
     }
 
-    /// Runs the motion evenly faster, up to `most` times, or slower, so that it uses the part `target` of a limit at the samples.
+    /// Runs the motion evenly faster, up to `most` times, or slower, so that it uses the part `target` of a limit at
+    /// the samples.
     pub(crate) fn run_at(&self, x: &mut [f64], target: f64, most: f64) {
         let mut speed = most;
         for (k, sample) in self.problem.samples.iter().enumerate() {

@@ -1,10 +1,11 @@
 //! Which limit is the tightest on each interval of a profile.
 
-use super::certificate::{Certificate, Rates};
+use super::certificate::Certificate;
+use super::uses::Rates;
 use crate::path::outcome::PathLimit;
 use crate::timing::limiting::Limiting;
 
-/// The point of an interval that speaks for it: next to its middle.
+/// The point of a cell that speaks for it: next to its middle.
 const MIDDLE: usize = 4;
 
 impl Certificate<'_> {
@@ -16,9 +17,9 @@ impl Certificate<'_> {
             .collect()
     }
 
-    fn tightest(&self, interval: usize, rates: &Rates) -> Limiting {
+    fn tightest(&self, cell: usize, rates: &Rates) -> Limiting {
         let at = &self.at;
-        let place = self.place(interval, MIDDLE);
+        let place = Self::place(cell, MIDDLE);
         let stretch = &self.limits.stretches[at.stretch[place]];
         let [velocity, square, acceleration, jerk] =
             [&rates.velocity, &rates.square, &rates.acceleration, &rates.jerk].map(|column| column[MIDDLE]);

@@ -6,11 +6,12 @@
 //! a = ṡ² = a₁·x^(4/3)      b = s̈ = ±(2/3)·(a₁/h)·x^(1/3)      s⃛ = (2/9)·a₁^(3/2)/h²      duration 3·h/√a₁
 //! ```
 //!
-//! At its inner end (a, b, c = s⃛/ṡ) = a₁·(1, ±2/(3h), 2/(9h²)), linear in a₁. The same law backwards comes to rest; b is
-//! then negative. c grows beyond all bounds towards rest, which no polynomial a(s) can follow: that is why the first and
-//! the last interval of a grid have this law.
+//! At its inner end (a, b, c = s⃛/ṡ) = a₁·(1, ±2/(3h), 2/(9h²)), linear in a₁. The same law backwards comes to rest; b
+//! is then negative. c grows beyond all bounds towards rest, which no polynomial a(s) can follow: that is why the first
+//! and the last interval of a grid have this law.
 
-/// (a, b, c)/a₁ at the inner end of a law of length `h`; `direction` is 1 where it leaves rest, −1 where it comes to rest.
+/// (a, b, c)/a₁ at the inner end of a law of length `h`; `direction` is 1 where it leaves rest, −1 where it comes to
+/// rest.
 pub(crate) fn inner_end(h: f64, direction: f64) -> [f64; 3] {
     [1.0, direction * 2.0 / (3.0 * h), 2.0 / (9.0 * h * h)]
 }

@@ -4,17 +4,18 @@ use nalgebra::{Isometry3, Vector3};
 
 use super::*;
 use crate::curve::Curve;
+use crate::measured::Polynomials;
 use crate::path::outcome::PathLimit;
 use crate::robot::Robot;
 use crate::robot::spec::{Drive, Friction};
 use crate::test_arms::{lift, planar, robot};
 use crate::timing::limits::{JointLimits, Limits, Stretch};
-use crate::timing::measured::Polynomials;
 use crate::timing::test_curves::{puma560, random_walk, ur5e};
 use crate::timing::tests::own_limits;
 
 mod check;
 mod iterates;
+mod jumps;
 mod oracle;
 
 use check::worst_uses;

@@ -152,3 +152,51 @@ fn no_limit_is_broken_between_speeds_at_the_ends() {
         }
     }
 }
+
+/// Arms with axes anywhere and sliding joints, three stretches of limits, any number of joints.
+#[test]
+fn no_limit_is_broken_by_random_arms() {
+    let mut paths = 0;
+    for seed in 0..24 {
+        let count = 2 + seed as usize % 8;
+        let mut spec = crate::test_arms::random_arm(count, 40 + seed);
+        for joint in &mut spec.joints {
+            joint.drive.peak_torque = Some(900.0);
+        }
+        let arm = robot(spec);
+        let curve = random_walk(count, 2, &vec![3.0; count], 800 + seed);
+        let own = own_limits(&arm);
+        let stretch = |end: f64, tool: f64, acceleration| Stretch {
+            end: end * curve.length(),
+            tool_velocity: Some(tool),
+            tool_acceleration: Some(10.0 * tool),
+            joints: own
+                .joints
+                .iter()
+                .map(|joint| JointLimits { acceleration, ..*joint })
+                .collect(),
+        };
+        let limits = Limits {
+            stretches: vec![
+                stretch(0.3, 3.0, None),
+                stretch(0.7, 1.0, Some(8.0)),
+                stretch(1.0, 5.0, None),
+            ],
+        };
+        let timing = match timed(&arm, &curve, &limits, [0.0; 2], 200) {
+            Ok(timing) => timing,
+            Err(obstacle) => {
+                assert_eq!(
+                    obstacle.reason,
+                    PathInfeasibleReason::MovingTorque,
+                    "{seed} {obstacle:?}"
+                );
+                continue;
+            }
+        };
+        paths += 1;
+        let worst = worst_use(&arm, &curve, &limits, &timing.law, 4000, seed);
+        assert!(worst <= 1.0 - 1e-6 && worst > 0.99, "{seed} {worst}");
+    }
+    assert!(paths >= 12, "{paths}");
+}

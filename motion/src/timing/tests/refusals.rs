@@ -49,7 +49,7 @@ fn a_load_near_the_limit_is_moved_slowly_or_not_at_all() {
             Ok(timing) => {
                 assert!(feasible, "{mass}");
                 // 1 N lifts 9.9 kg at 0.1 m/s²: 0.5 m at no less than that, and braking is 200 times as hard
-                let expected = (2.0 * 0.5 / (1.0 / 9.9) as f64).sqrt();
+                let expected = (2.0f64 * 0.5 * 9.9).sqrt();
                 assert!((timing.law.duration() / expected - 1.0).abs() < 0.05);
                 assert!(worst_use(&arm, &curve, &limits, &timing.law, 2000, 1) < 1.0);
             }
@@ -190,4 +190,33 @@ fn a_timing_stops_when_nobody_waits() {
         let stop = || left.replace(left.get().max(1) - 1) == 0;
         assert_eq!(optimal(&task, &Budget::until(&stop)), Err(crate::budget::Stopped));
     }
+}
+
+/// Only the last joint turns, about an axis through the tool: limits of the tool's point have nothing to bound.
+#[test]
+fn a_tool_that_turns_on_the_spot_is_not_bound_by_the_limits_of_its_point() {
+    let arm = ur5e();
+    let curve = Polynomials::new(
+        (0..6)
+            .map(|joint| vec![0.3, if joint == 5 { 1.0 } else { 0.0 }])
+            .collect(),
+        1.0,
+    );
+    let duration = |tool: Option<f64>| {
+        let limits = Limits::uniform(Stretch {
+            tool_velocity: tool,
+            tool_acceleration: tool,
+            ..own_limits(&arm)
+        });
+        let task = Task {
+            robot: &arm,
+            tcp: &Isometry3::identity(),
+            curve: &curve,
+            limits: &limits,
+            end_speeds: [0.0; 2],
+            intervals: 100,
+        };
+        optimal(&task, &Budget::unlimited()).unwrap().unwrap().law.duration()
+    };
+    assert_eq!(duration(Some(1e-3)), duration(None));
 }

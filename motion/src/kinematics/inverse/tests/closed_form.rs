@@ -2,9 +2,9 @@
 
 use nalgebra::{Isometry3, Vector3};
 
-use super::{all, arms, draw, largest_difference, tool};
+use super::{all, arms, check_reaches, draw, tool};
 use crate::kinematics::inverse::newton::Newton;
-use crate::kinematics::inverse::{Inverse, Method};
+use crate::kinematics::inverse::{Inverse, Method, Turns};
 use crate::kinematics::pose;
 use crate::robot::Robot;
 use crate::test_arms::random;
@@ -136,12 +136,66 @@ fn a_calibrated_arm_has_its_joints_back() {
             joint.parent_from_joint *= Isometry3::new(off, askew);
         }
         let arm = Robot::new(spec, Vec::new()).unwrap();
-        let (tcp, mut missed) = (tool(), 0);
-        for _ in 0..500 {
-            let made = draw(&arm, state);
-            let found = all(&arm, &pose(&arm, &made, &tcp), &tcp, Some(&made));
-            missed += usize::from(largest_difference(&found.solutions[0].position, &made) > 1e-6);
-        }
-        assert_eq!(missed, 0);
+        let missed = missed(&arm, 500, state);
+        // near singularities the ideal arm may have fewer branches
+        assert!(missed <= 5, "{missed} of 500");
     }
+}
+
+/// Axes that nearly meet or nearly are parallel, from what is rounding to more than any arm's tolerance: the closed form
+/// of the ideal arm leads to the branches of the real one, but for a few near singularities.
+#[test]
+fn nearly_ideal_arms_have_their_joints_back() {
+    let state = &mut 15;
+    for family in 0..6 {
+        for by in [1e-3, 1e-5, 1e-7] {
+            let missed: usize = (0..20)
+                .map(|_| missed(&nearly_ideal(family, by, state), 20, state))
+                .sum();
+            assert!(missed <= 20, "{missed} of 400 in family {family} by {by}");
+        }
+    }
+}
+
+/// Lines of one of the families, one of them displaced or turned.
+fn nearly_ideal(family: usize, by: f64, state: &mut u64) -> Robot {
+    let mut lines = lines(state);
+    let off = Vector3::from_fn(|_, _| by * random(state));
+    if family < 3 {
+        (lines[4][0], lines[5][0]) = (lines[3][0], lines[3][0]);
+    } else {
+        (lines[1][1], lines[3][1]) = (-lines[2][1], lines[2][1]);
+    }
+    match family {
+        0 => lines[1][0] = lines[0][0] + off,
+        1 => lines[1][1] = lines[0][1].normalize() + off,
+        2 => lines[4][0] += off,
+        3 => lines[1][1] = off - lines[2][1].normalize(),
+        4 => lines[5][0] = lines[4][0] + off,
+        _ => lines[5][1] = lines[4][1].normalize() + off,
+    }
+    arms::about_lines(&lines, state)
+}
+
+/// How many poses lack the joint positions that they were made of.
+fn missed(robot: &Robot, count: usize, state: &mut u64) -> usize {
+    let (tcp, mut missed) = (tool(), 0);
+    let inverse = Inverse::new(robot, &tcp);
+    for _ in 0..count {
+        let made = draw(robot, state);
+        let target = pose(robot, &made, &tcp);
+        let found = inverse
+            .solutions(&target, Some(&draw(robot, state)), Turns::Nearest)
+            .unwrap();
+        for solution in &found.solutions {
+            check_reaches(robot, &solution.position, &tcp, &target, 2e-9);
+        }
+        let is_made = |q: &[f64]| {
+            q.iter()
+                .zip(&made)
+                .all(|(q, made)| libm::sin(0.5 * (q - made)).abs() < 1e-5)
+        };
+        missed += usize::from(!found.solutions.iter().any(|solution| is_made(&solution.position)));
+    }
+    missed
 }

@@ -96,6 +96,11 @@ fn all(rows: &Rows, value: f64) -> PerRow {
     per_row
 }
 
+/// Block and lane of every sample.
+fn lanes() -> impl Iterator<Item = (usize, usize)> {
+    (0..2 * LANES_MAX).map(|sample| (sample / LANES_MAX, sample % LANES_MAX))
+}
+
 fn shifted(points: &[Point], axis: usize, by: f64) -> Vec<Point> {
     let mut points = points.to_vec();
     for point in &mut points {
@@ -117,12 +122,10 @@ fn gradients_are_those_of_the_slacks() {
     let step = 1e-5;
     for axis in 0..3 {
         let [after, before] = [step, -step].map(|by| assemble(&rows, &shifted(&points, axis, by), &scale, &one));
-        for block in 0..2 {
-            for lane in 0..LANES_MAX {
-                let difference = (after.normals[block].gap[lane] - before.normals[block].gap[lane]) / (2.0 * step);
-                let gradient = here.normals[block].pull[axis][lane];
-                assert!((difference - gradient).abs() < 1e-8, "{axis} {difference} {gradient}");
-            }
+        for (block, lane) in lanes() {
+            let difference = (after.normals[block].gap[lane] - before.normals[block].gap[lane]) / (2.0 * step);
+            let gradient = here.normals[block].pull[axis][lane];
+            assert!((difference - gradient).abs() < 1e-8, "{axis} {difference} {gradient}");
         }
     }
 }
@@ -169,8 +172,8 @@ fn tangents_of_jerk_rows_are_on_the_safe_side() {
     }
 }
 
-/// Predictor and corrector against their formulas, through the products they promise: to first order the affine step takes
-/// l·z to 0 and the corrected one to σμ.
+/// Predictor and corrector against their formulas, through the products they promise: to first order the affine step
+/// takes l·z to 0 and the corrected one to σμ.
 #[test]
 fn directions_lead_where_they_say() {
     let state = &mut 8;
@@ -205,14 +208,12 @@ fn directions_lead_where_they_say() {
         step: &mut step,
     });
     // δz of a speed row is −δa/a_max
-    for block in 0..2 {
-        for lane in 0..LANES_MAX {
-            let z = 1.0 / here.inverse.speed[block][0][lane];
-            let dz = -rows.speed.rows[block][0][lane] * directions[block][0][lane];
-            let dl = step.speed[block][0][lane];
-            assert!((0.7 * z + 0.7 * dz + z * dl - center).abs() < 1e-12);
-            assert!(primal >= -dz / z && dual >= -dl / 0.7);
-        }
+    for (block, lane) in lanes() {
+        let z = 1.0 / here.inverse.speed[block][0][lane];
+        let dz = -rows.speed.rows[block][0][lane] * directions[block][0][lane];
+        let dl = step.speed[block][0][lane];
+        assert!((0.7 * z + 0.7 * dz + z * dl - center).abs() < 1e-12);
+        assert!(primal >= -dz / z && dual >= -dl / 0.7);
     }
     let mut seconds = vec![
         Second {
@@ -232,14 +233,12 @@ fn directions_lead_where_they_say() {
         seconds: &mut seconds,
     });
     // Σ δz·δl = −Σ l·δz − Σ l·δz²/z, and Σ l·δz is the pull along the direction
-    for block in 0..2 {
-        for lane in 0..LANES_MAX {
-            let pull: f64 = (0..3)
-                .map(|k| here.normals[block].pull[k][lane] * directions[block][k][lane])
-                .sum();
-            let squares = -seconds[block].gap[lane] - pull;
-            assert!(squares > 0.0, "{squares}");
-        }
+    for (block, lane) in lanes() {
+        let pull: f64 = (0..3)
+            .map(|k| here.normals[block].pull[k][lane] * directions[block][k][lane])
+            .sum();
+        let squares = -seconds[block].gap[lane] - pull;
+        assert!(squares > 0.0, "{squares}");
     }
     assert!(worst > 0.0);
 }

@@ -21,8 +21,10 @@ fn every_iterate_obeys_every_row() {
         intervals: 80,
     };
     let budget = Budget::unlimited();
-    let fixed = fixed_nodes(&curve, &limits);
-    let level = Level::new(&task, even(&fixed, 80), &fixed, &budget).unwrap().unwrap();
+    let fixed = fixed_nodes(task.curve, task.limits);
+    let level = Level::new(&task, nodes::even(&fixed, 80), &fixed, &budget)
+        .unwrap()
+        .unwrap();
     let start = level.unknowns(leaving_rest(curve.length()), START_COLD);
     let mut durations = Vec::new();
     for gap in [1e9, 3.0, 1.0, 0.3, 0.1, 1e-2, 1e-3, 1e-4] {
@@ -67,8 +69,10 @@ fn a_start_beyond_the_limits_is_refused() {
         intervals: 40,
     };
     let budget = Budget::unlimited();
-    let fixed = fixed_nodes(&swing, &limits);
-    let level = Level::new(&task, even(&fixed, 40), &fixed, &budget).unwrap().unwrap();
+    let fixed = fixed_nodes(task.curve, task.limits);
+    let level = Level::new(&task, nodes::even(&fixed, 40), &fixed, &budget)
+        .unwrap()
+        .unwrap();
     for target in [1.2, f64::NAN] {
         let mut x = level.unknowns(leaving_rest(1.0), 0.6);
         for x in &mut x {
