@@ -16,7 +16,6 @@ pub(crate) mod coefficients;
 pub(crate) mod grid;
 pub(crate) mod jerk;
 pub(crate) mod law;
-pub(crate) mod limiting;
 pub(crate) mod limits;
 pub mod measured;
 pub(crate) mod reach;
@@ -39,7 +38,6 @@ use certificate::Certificate;
 use coefficients::Coefficients;
 use grid::{Grid, even, fixed_nodes};
 use law::TimeLaw;
-use limiting::Limiting;
 use limits::Limits;
 use rows::{Rooms, RowPlaces};
 use solve::Problem;
@@ -62,8 +60,6 @@ pub(crate) struct Task<'a> {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Timing {
     pub(crate) law: TimeLaw,
-    /// The tightest limit of each piece of the law.
-    pub(crate) limiting: Vec<Limiting>,
     /// How often it was planned again because a limit was broken between samples.
     pub(crate) rounds: usize,
 }
@@ -222,11 +218,7 @@ fn certify(task: &Task<'_>, solved: Solved<'_>, budget: &Budget<'_>) -> Result<R
     let law = TimeLaw::linear(&problem.grid.nodes, &squares);
     let kept = verdict.worst <= CERTIFIED;
     Ok(match law {
-        Some(law) if kept => Ok(Timing {
-            law,
-            limiting: verdict.limiting,
-            rounds,
-        }),
+        Some(law) if kept => Ok(Timing { law, rounds }),
         _ => Err(verdict.obstacle(&certificate)),
     })
 }

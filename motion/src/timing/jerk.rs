@@ -20,7 +20,6 @@ mod certificate;
 mod fold;
 mod interior;
 mod level;
-mod limiting;
 mod nodes;
 mod pass;
 mod profile;
@@ -138,11 +137,7 @@ fn certified(
     for _ in 0..JERK_SLOW_ROUNDS {
         budget.check()?;
         if speed >= 1.0 {
-            let timing = level.profile(&x).law().map(|law| Timing {
-                law,
-                limiting: certificate.limiting(),
-                rounds,
-            });
+            let timing = level.profile(&x).law().map(|law| Timing { law, rounds });
             return Ok(timing.ok_or(Obstacle::NO_TIMING));
         }
         let slower = speed * (1.0 - JERK_RESERVE);

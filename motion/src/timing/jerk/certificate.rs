@@ -82,21 +82,10 @@ impl<'a> Certificate<'a> {
         }))
     }
 
-    /// Which sample of the coefficients a point of a cell is.
-    pub(super) fn place(cell: usize, point: usize) -> usize {
-        cell * POINTS + point
-    }
-
     /// The cells of an interval.
     fn within(&self, interval: usize) -> std::ops::Range<usize> {
         let below = |limit: usize| self.cells.partition_point(|cell| cell.interval < limit);
         below(interval)..below(interval + 1)
-    }
-
-    /// The cell in the middle of each interval.
-    pub(super) fn middles(&self) -> impl Iterator<Item = usize> + '_ {
-        let is_middle = |cell: &Cell| cell.from < 0.5 && cell.to >= 0.5;
-        (0..self.cells.len()).filter(move |cell| is_middle(&self.cells[*cell]))
     }
 
     /// The largest even change of speed, at most 1, with which no limit is exceeded; for torque, a safe estimate.

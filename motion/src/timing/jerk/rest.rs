@@ -27,11 +27,6 @@ pub(crate) fn rates(h: f64, direction: f64, a1: f64, x: f64) -> [f64; 3] {
     ]
 }
 
-/// How long it takes, s.
-pub(crate) fn duration(h: f64, a1: f64) -> f64 {
-    3.0 * h / a1.sqrt()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -42,7 +37,7 @@ mod tests {
         let (jerk, t_end) = (7.0, 0.4_f64);
         let h = jerk * t_end.powi(3) / 6.0;
         let a1 = (jerk * t_end * t_end / 2.0).powi(2);
-        assert!((duration(h, a1) - t_end).abs() < 1e-14);
+        assert!((3.0 * h / a1.sqrt() - t_end).abs() < 1e-14);
         for part in [0.0, 0.1, 0.5, 0.9, 1.0] {
             let t = part * t_end;
             let s = jerk * t.powi(3) / 6.0;
