@@ -67,7 +67,7 @@ fn worst_use(robot: &Robot, curve: &dyn Curve, limits: &Limits, law: &TimeLaw, d
         } else {
             law.at(part * law.duration()).position
         };
-        let [a, sdd] = square_at(&law, s);
+        let [a, sdd] = square_at(law, s);
         let sd = a.sqrt();
         curve.evaluate(s, Side::Before, &mut point);
         let qd: Vec<f64> = point.first.iter().map(|d| d * sd).collect();
