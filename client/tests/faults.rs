@@ -2,6 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
 
+#[path = "faults/streams.rs"]
+mod streams;
+
 use std::{
     convert::Infallible,
     future::pending,
@@ -137,36 +140,6 @@ fn plan(name: &str) -> v1::PlanMoveResponse {
     }
 }
 
-/// A stream of five set-points, or what is left of it.
-fn pieces(fault: &str) -> Vec<v1::StreamSetpointsResponse> {
-    use v1::stream_setpoints_response::Part;
-    let chunk = |first: u32, count: u8, last: bool| {
-        Part::Chunk(v1::SetpointsChunk {
-            first,
-            last,
-            setpoints: Some(v1::Setpoints {
-                time_s: (0..count).map(f64::from).collect(),
-                ..Default::default()
-            }),
-        })
-    };
-    let header = Part::Header(v1::SetpointsHeader {
-        setpoint_count: 5,
-        ..Default::default()
-    });
-    let parts = match fault {
-        "headless" => vec![chunk(0, 5, true)],
-        "short" => vec![header, chunk(0, 2, false)],
-        "gap" => vec![header, chunk(0, 2, false), chunk(3, 2, true)],
-        "twice" => vec![header, chunk(0, 2, false), chunk(0, 2, false)],
-        _ => vec![header, chunk(0, 2, false), chunk(2, 3, true)],
-    };
-    let parts = parts.into_iter();
-    parts
-        .map(|part| v1::StreamSetpointsResponse { part: Some(part) })
-        .collect()
-}
-
 #[tonic::async_trait]
 impl PlanService for Fake {
     async fn plan_move(
@@ -198,7 +171,7 @@ impl PlanService for Fake {
         &self,
         request: Request<v1::StreamSetpointsRequest>,
     ) -> Result<tonic::Response<Self::StreamSetpointsStream>, Status> {
-        let pieces: Vec<_> = pieces(self.name).into_iter().map(Ok).collect();
+        let pieces: Vec<_> = streams::pieces(self.name).into_iter().map(Ok).collect();
         self.act(request.metadata(), stream::iter(pieces)).await
     }
 
@@ -272,7 +245,7 @@ async fn http(fake: Fake, request: HttpRequest<hyper::body::Incoming>) -> HttpRe
     };
     match act {
         Act::Answer if request.uri().path() == "/v1/robots/arm:streamSetpoints" => {
-            let lines = pieces(fake.name).into_iter();
+            let lines = streams::pieces(fake.name).into_iter();
             let lines = lines.map(|piece| serde_json::to_string(&piece).unwrap() + "\n");
             reply(200, lines.collect())
         }
@@ -586,42 +559,5 @@ async fn readiness_is_asked_of_every_endpoint_once() {
         assert_eq!((ready.seen(), draining.seen()), (2, 1), "{transport:?}");
         let error = client(transport, &[&nowhere().await]).ready().await.unwrap_err();
         assert_eq!(error.kind(), ErrorKind::Transport);
-    }
-}
-
-/// How many set-points come before the end of a stream, and how it ends.
-async fn taken(transport: Transport, fault: &'static str) -> (usize, Result<(), takt_client::Error>) {
-    let fake = Fake::new(fault, &[Act::Unavailable, Act::Answer]);
-    let url = fake.serve().await;
-    let request = v1::StreamSetpointsRequest {
-        robot_id: "arm".to_owned(),
-        ..Default::default()
-    };
-    let mut count = 0;
-    let mut stream = match client(transport, &[&url]).stream_setpoints(request).await {
-        Ok(stream) => stream,
-        Err(error) => return (count, Err(error)),
-    };
-    loop {
-        match stream.next().await {
-            Ok(Some(chunk)) => count += chunk.setpoints.unwrap().time_s.len(),
-            Ok(None) => return (count, Ok(())),
-            Err(error) => return (count, Err(error)),
-        }
-    }
-}
-
-#[tokio::test]
-async fn a_stream_without_all_its_set_points_does_not_end_well() {
-    for transport in BOTH {
-        let (count, end) = taken(transport, "whole").await;
-        assert_eq!(count, 5);
-        assert!(end.is_ok(), "{end:?}");
-        let (count, end) = taken(transport, "short").await;
-        assert_eq!((count, end.unwrap_err().kind()), (2, ErrorKind::Transport));
-        for (fault, before) in [("gap", 2), ("twice", 2), ("headless", 0)] {
-            let (count, end) = taken(transport, fault).await;
-            assert_eq!((count, end.unwrap_err().code()), (before, Code::Internal), "{fault}");
-        }
     }
 }

@@ -9,7 +9,8 @@ use takt_motion::{
     Invalid,
     budget::Budget,
     dynamics::{self, Workspace},
-    kinematics,
+    kinematics::{self, inverse::Inverse},
+    path::{self, outcome::PathOutcome},
     plan::{self, outcome::MoveOutcome},
     robot::{Robot, urdf as reader},
 };
@@ -77,6 +78,29 @@ pub fn plan_move(bytes: &[u8]) {
                     assert!(plan.duration.is_finite() && plan.duration >= 0.0, "{plan:?}");
                 }
                 black_box(convert::plan::outcome_to_wire(outcome, ARM.spec()));
+            }
+            Ok(_) | Err(plan::Failure::Stopped) => {}
+            Err(plan::Failure::Invalid(errors)) => assert_named(&errors),
+        }
+    }
+}
+
+/// A robot program.
+pub fn plan_path(bytes: &[u8]) {
+    for request in decoded::<v1::PlanPathRequest>(bytes) {
+        if request.trace_points.is_some_and(|count| count > 100) || request.segments.len() > ENTRIES {
+            continue;
+        }
+        let mut findings = Findings::default();
+        let request = convert::path::path_request(request, Some(ARM.spec()), &mut findings);
+        let is_right = findings.is_empty();
+        assert_named(&findings.into_list());
+        match bounded(|budget| path::plan_path(&ARM, &request, budget)) {
+            Ok(outcome) if is_right => {
+                if let PathOutcome::Plan(plan) = &outcome {
+                    assert!(plan.duration.is_finite() && plan.duration >= 0.0, "{plan:?}");
+                }
+                black_box(convert::path::outcome_to_wire(outcome, ARM.spec()));
             }
             Ok(_) | Err(plan::Failure::Stopped) => {}
             Err(plan::Failure::Invalid(errors)) => assert_named(&errors),
@@ -162,6 +186,24 @@ pub fn forward_kinematics(bytes: &[u8]) {
                 &state.position,
                 &tcp,
             )));
+        }
+    }
+}
+
+/// Poses whose joint positions are asked for.
+pub fn inverse_kinematics(bytes: &[u8]) {
+    for request in decoded::<v1::InverseKinematicsRequest>(bytes) {
+        let mut findings = Findings::default();
+        let poses = convert::dynamics::poses(&request, Some(ARM.spec()), &mut findings);
+        let tool = request.tool.as_ref();
+        let tcp = tool.map(|tool| convert::robot::tool(tool, Path::Root.field("tool"), &mut findings));
+        if findings.finish(()).map_err(|errors| assert_named(&errors)).is_err() {
+            continue;
+        }
+        let inverse = Inverse::new(&ARM, &tcp.unwrap_or(ARM.spec().tcp));
+        for pose in poses.targets.iter().take(1) {
+            let found = inverse.solutions(pose, poses.reference.as_deref(), poses.turns);
+            black_box(convert::dynamics::solutions_result(found));
         }
     }
 }

@@ -50,7 +50,7 @@ mod weight;
 
 pub(crate) use build::build;
 pub use plan::plan_path;
-pub(crate) use stroke::{Span, Stroke, ToolRates};
+pub(crate) use stroke::Stroke;
 
 use outcome::BlendReport;
 

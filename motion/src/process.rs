@@ -22,7 +22,7 @@ mod tests;
 
 pub use geometry::PathFrame;
 pub(crate) use geometry::ProcessSegment;
-pub(crate) use motion::{ConstantSpeedMotion, ToolState};
+pub(crate) use motion::ConstantSpeedMotion;
 
 use crate::budget::{Budget, Stopped};
 use crate::error::Invalid;

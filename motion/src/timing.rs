@@ -16,7 +16,6 @@ pub(crate) mod coefficients;
 pub(crate) mod grid;
 pub(crate) mod jerk;
 pub(crate) mod law;
-pub(crate) mod limiting;
 pub(crate) mod limits;
 pub mod measured;
 pub(crate) mod reach;
@@ -32,13 +31,13 @@ use crate::curve::Curve;
 use crate::path::outcome::PathInfeasibleReason;
 use crate::robot::Robot;
 use crate::tolerance::{
-    CERTIFIED, CHECK_PARTS, SLOW_ROUNDS, TIGHTEN_ROUNDS, TIGHTEN_ROUNDS_MOVING, TIMING_INTERVALS_MIN, TIMING_PARTS,
+    CERTIFIED, CHECK_PARTS, FINER_GRIDS, SLOW_ROUNDS, SPAN_INTERVALS_MIN, TIGHTEN_ROUNDS, TIGHTEN_ROUNDS_MOVING,
+    TIMING_INTERVALS_MIN, TIMING_PARTS,
 };
 use certificate::Certificate;
 use coefficients::Coefficients;
 use grid::{Grid, even, fixed_nodes};
 use law::TimeLaw;
-use limiting::Limiting;
 use limits::Limits;
 use rows::{Rooms, RowPlaces};
 use solve::Problem;
@@ -61,8 +60,6 @@ pub(crate) struct Task<'a> {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Timing {
     pub(crate) law: TimeLaw,
-    /// The tightest limit of each piece of the law.
-    pub(crate) limiting: Vec<Limiting>,
     /// How often it was planned again because a limit was broken between samples.
     pub(crate) rounds: usize,
 }
@@ -104,14 +101,34 @@ pub(crate) fn optimal(task: &Task<'_>, budget: &Budget<'_>) -> Result<Result<Tim
         return Ok(Ok(Timing::default()));
     }
     let fixed = fixed_nodes(task.curve, task.limits);
-    let intervals = task.intervals.max(TIMING_INTERVALS_MIN);
-    let coarse = Grid::new(even(&fixed, intervals / 2), &fixed, 1);
+    let least = TIMING_INTERVALS_MIN.max((fixed.len() - 1) * SPAN_INTERVALS_MIN);
+    let mut intervals = task.intervals.max(least);
+    let mut outcome = on_grid(task, &fixed, intervals, budget)?;
+    for _ in 0..FINER_GRIDS {
+        let no_timing = |obstacle: &Obstacle| obstacle.reason == PathInfeasibleReason::NoTiming;
+        if !outcome.as_ref().is_err_and(no_timing) {
+            break;
+        }
+        intervals *= 2;
+        outcome = on_grid(task, &fixed, intervals, budget)?;
+    }
+    Ok(outcome)
+}
+
+/// The same with about so many intervals.
+fn on_grid(
+    task: &Task<'_>,
+    fixed: &[f64],
+    intervals: usize,
+    budget: &Budget<'_>,
+) -> Result<Result<Timing, Obstacle>, Stopped> {
+    let coarse = Grid::new(even(fixed, intervals / 2), fixed, 1);
     let first = match solve(task, coarse, 1, None, budget)? {
         Ok(solved) => solved,
         Err(obstacle) => return Ok(Err(obstacle)),
     };
-    let nodes = solve::graded(&fixed, intervals, &first.problem.grid.nodes, &first.squares);
-    let grid = Grid::new(nodes, &fixed, CHECK_PARTS);
+    let nodes = solve::graded(fixed, intervals, &first.problem.grid.nodes, &first.squares);
+    let grid = Grid::new(nodes, fixed, CHECK_PARTS);
     let solved = match solve(task, grid, TIMING_PARTS, Some(&first), budget)? {
         Ok(solved) => solved,
         Err(obstacle) => return Ok(Err(obstacle)),
@@ -201,11 +218,7 @@ fn certify(task: &Task<'_>, solved: Solved<'_>, budget: &Budget<'_>) -> Result<R
     let law = TimeLaw::linear(&problem.grid.nodes, &squares);
     let kept = verdict.worst <= CERTIFIED;
     Ok(match law {
-        Some(law) if kept => Ok(Timing {
-            law,
-            limiting: verdict.limiting,
-            rounds,
-        }),
+        Some(law) if kept => Ok(Timing { law, rounds }),
         _ => Err(verdict.obstacle(&certificate)),
     })
 }

@@ -205,8 +205,12 @@ pub(crate) const SEAM_ROUNDING: f64 = 1.0e-9;
 /// where a least value is sought, not the path.
 pub(crate) const PACE_SAMPLES: usize = 32;
 
-/// Steps by which the length of the tool's way is measured: extrapolated chords are true to 1e-6 for a quarter turn.
-pub(crate) const TOOL_LENGTH_SAMPLES: usize = 32;
+/// Panels of Gauss's rule with eight points by which the length of the tool's way on one curve is measured: true to 1e-9 for
+/// a joint move of a full turn.
+pub(crate) const WAY_PANELS: usize = 4;
+
+/// The same on one polynomial of a spline.
+pub(crate) const PIECE_PANELS: usize = 2;
 
 /// Steps from a corner in which the end of a blend is sought before it is bisected.
 pub(crate) const HELPER_SAMPLES: usize = 64;
@@ -512,9 +516,9 @@ pub(crate) const RANGE_NEAR: f64 = 1.0e-2;
 /// How far a joint may be outside its range, rad or m: the rounding of a taught point at the very end of it.
 pub(crate) const RANGE_ROUNDING: f64 = 1.0e-9;
 
-/// Pace at a sample, as part of full speed, above which a path cannot come to a stop before the next: a turning point is
-/// passed at a twentieth between thirty-two samples.
-pub(crate) const VALLEY_MAX: f64 = 0.25;
+/// Pace at a sample, as part of full speed, above which a path cannot come to a stop before the next: with eight samples
+/// a polynomial that turns back in its middle is passed at a third of full speed at most.
+pub(crate) const VALLEY_MAX: f64 = 0.5;
 /// Fewest intervals of a timing grid between two knots of the path: a blend, where accelerations rise and fall once or
 /// twice, has that many even if it is short.
 pub(crate) const SPAN_INTERVALS_MIN: usize = 8;
@@ -528,5 +532,14 @@ pub(crate) const JERK_INTERVALS_RATIO: f64 = 4.0;
 /// The same where a speed at an end is given, so that slowing down evenly is no way out.
 pub(crate) const TIGHTEN_ROUNDS_MOVING: usize = 12;
 
+/// Samples of each polynomial of a spline, where a single curve has [`PACE_SAMPLES`]: its pieces are short, so that chords
+/// and means are as true.
+pub(crate) const PIECE_SAMPLES: usize = 8;
+
+/// Points of a path that are computed between two looks at the budget: under a millisecond of inverse kinematics.
+pub(crate) const BUDGET_STRIDE: usize = 64;
+/// How often a path that no timing was found for is tried on a grid twice as fine: with speeds given at its ends, what is
+/// between the samples of a coarse one can be too much for tightening.
+pub(crate) const FINER_GRIDS: usize = 2;
 /// How far a sample's time may be from a stop to be the stop's, as part of the duration: some roundings of both.
 pub(crate) const SAMPLE_AT_STOP: f64 = 1.0e-13;

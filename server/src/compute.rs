@@ -143,10 +143,12 @@ pub(crate) fn register(
         findings.push_invalid(invalid.clone());
     }
     let at = Path::Root.field("description");
-    let Some(description) = description else {
+    let Some(mut description) = description else {
         findings.push(at, "must be given");
         return Err(ServiceError::invalid(findings.into_list()));
     };
+    // Said or not, the default is the same content, and so the same revision.
+    description.use_urdf_dynamics = description.use_urdf_dynamics.filter(|used| *used);
     let robot = match compile(&description, findings) {
         Ok(robot) => robot,
         Err(invalid) => return Err(ServiceError::invalid(invalid)),

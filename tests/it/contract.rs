@@ -161,6 +161,20 @@ fn requests() -> Vec<(&'static str, Rpc, &'static str, Value)> {
             json!({"start": {"position": [0]}, "segments": [{"line": {"target": {}}, "blend": {}}]}),
         ),
         (
+            "plan_path",
+            Rpc::PlanPath,
+            "ur5e",
+            json!({
+                "start": {"position": [0, -1.57, 1.57, -1.57, -1.57, 0]},
+                "segments": [
+                    {"joint": {"target": {"position": [0.3, -1.57, 1.57, -1.57, -1.57, 0]}}, "blend": {"fraction": 0.4}},
+                    {"joint": {"target": {"position": [0.3, -1.3, 1.57, -1.57, -1.57, 0]}}},
+                ],
+                "limits": {"tcp_velocity_m_per_s": 1.0},
+                "trace_points": 3,
+            }),
+        ),
+        (
             "plan_batch",
             Rpc::PlanBatch,
             "scara",

@@ -160,6 +160,58 @@ fn moves_are_planned_or_refused() {
 }
 
 #[test]
+fn programs_are_planned_or_refused() {
+    use v1::path_segment::Shape;
+    let target = |x_m: f64| v1::Target {
+        pose: Some(v1::Pose {
+            position_m: vec![x_m, 0.2, 0.1],
+            orientation: vec![1.0, 0.0, 0.0, 0.0],
+        }),
+        ..Default::default()
+    };
+    let segment = |shape: Shape| v1::PathSegment {
+        shape: Some(shape),
+        ..Default::default()
+    };
+    let arc = v1::ArcSegment {
+        via: Some(target(0.42)),
+        target: Some(target(0.4)),
+        ..Default::default()
+    };
+    let spline = v1::SplineSegment {
+        points: vec![target(0.35), target(0.3)],
+        ..Default::default()
+    };
+    let joints = v1::Target {
+        position: vec![0.5, 0.5, 0.1, 0.0],
+        ..Default::default()
+    };
+    let request = v1::PlanPathRequest {
+        start: Some(v1::JointPosition {
+            position: vec![-1.0, 1.0, 0.1, 0.0],
+        }),
+        segments: vec![
+            v1::PathSegment {
+                blend: Some(v1::Blend {
+                    radius_m: Some(0.02),
+                    ..Default::default()
+                }),
+                ..segment(Shape::Joint(v1::JointSegment { target: Some(joints) }))
+            },
+            segment(Shape::Line(v1::LineSegment {
+                target: Some(target(0.4)),
+            })),
+            segment(Shape::Arc(arc)),
+            segment(Shape::Spline(spline)),
+        ],
+        speed_scale: Some(0.5),
+        sample_period_s: Some(0.1),
+        ..Default::default()
+    };
+    run(7, targets::plan_path, &encodings(&request));
+}
+
+#[test]
 fn trajectories_are_checked_or_refused() {
     let point = |time_s: f64, position: f64| v1::TrajectoryPoint {
         time_s,
@@ -209,4 +261,18 @@ fn states_are_computed_or_refused() {
         ..Default::default()
     };
     run(6, targets::forward_kinematics, &encodings(&poses));
+    let solved = v1::InverseKinematicsRequest {
+        targets: vec![v1::PoseTarget {
+            pose: Some(v1::Pose {
+                position_m: vec![0.4, 0.2, 0.1],
+                orientation: vec![1.0, 0.0, 0.0, 0.0],
+            }),
+            frame: None,
+        }],
+        reference: Some(v1::JointPosition {
+            position: vec![0.1, -0.2, 0.1, 0.4],
+        }),
+        ..Default::default()
+    };
+    run(8, targets::inverse_kinematics, &encodings(&solved));
 }

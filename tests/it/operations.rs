@@ -2,7 +2,7 @@
 
 use prost::Message;
 use serde_json::Value;
-use takt_proto::route::{ROUTES, Rpc};
+use takt_proto::route::{JSON_LINES, ROUTES, Rpc};
 use takt_tests::TestServer;
 use tonic::Code;
 use tonic_health::pb::{HealthCheckRequest, HealthCheckResponse, health_client::HealthClient};
@@ -142,9 +142,13 @@ async fn the_examples_of_the_openapi_document_are_accepted() {
     let document = http.get("/openapi.json").await.json();
     for route in ROUTES.iter().filter(|route| route.method.has_body()) {
         let operation = &document["paths"][route.path][route.method.as_str().to_ascii_lowercase()];
-        let example = &operation["requestBody"]["content"]["application/json"]["example"];
+        let kind = match route.rpc.takes_stream() {
+            true => JSON_LINES,
+            false => "application/json",
+        };
+        let example = &operation["requestBody"]["content"][kind]["example"];
         assert!(example.is_object(), "{route:?}");
-        let kind = [("content-type", "application/json")];
+        let kind = [("content-type", kind)];
         let robot = if route.rpc == Rpc::RegisterRobot {
             "mine"
         } else {
@@ -153,6 +157,17 @@ async fn the_examples_of_the_openapi_document_are_accepted() {
         let (method, path) = (route.method.as_str(), route.path_for(robot));
         let reply = http.request(method, &path, &kind, example.to_string().as_bytes()).await;
         assert_eq!(reply.status, 200, "{route:?}: {}", reply.text());
+        let answered = match route.rpc.gives_stream() {
+            true => JSON_LINES,
+            false => "application/json",
+        };
+        assert_eq!(reply.header("content-type"), Some(answered), "{route:?}");
+        assert!(
+            operation["responses"]["200"]["content"][answered].is_object(),
+            "{route:?}"
+        );
+        // A stream that began well may still end badly.
+        assert!(!reply.text().contains("\"error\""), "{route:?}: {}", reply.text());
     }
 }
 

@@ -72,7 +72,7 @@ fn program(robot: &Robot, tcp: &Isometry3<f64>, request: &PathRequest, budget: &
         program.tool_lengths[track.segment] = track.tool_length;
     }
     let inner = chain.tracks.len().saturating_sub(1);
-    let corners = extent::settle(&teacher.arm, &chain.tracks, &chain.blends[..inner]);
+    let corners = extent::settle(&teacher.arm, &chain.tracks, &chain.blends[..inner], budget)?;
     let mut mixes = Vec::with_capacity(inner);
     for (corner, tracks) in corners.into_iter().zip(chain.tracks.windows(2)) {
         budget.check()?;
@@ -166,7 +166,7 @@ fn mix(
         Space::Joint => Mix::in_joint_space(passage, reach.blend.weight),
         Space::Tool => tool_mix(teacher, corner, passage, reach.blend, budget)?,
     };
-    if mix.slowest(corner, &teacher.speeds).0 < PACE_MIN {
+    if mix.slowest(corner, &teacher.speeds, budget)?.0 < PACE_MIN {
         stop("the path turns back on itself there");
         return Ok(None);
     }

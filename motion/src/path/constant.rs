@@ -307,11 +307,11 @@ impl Planner<'_> {
 
 impl Run for Chain {
     fn spans(&self) -> &[Span] {
-        Chain::spans(self)
+        Self::spans(self)
     }
 
     fn location(&self, s: f64) -> Location {
-        Chain::location(self, s)
+        Self::location(self, s)
     }
 }
 

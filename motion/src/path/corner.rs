@@ -162,8 +162,13 @@ impl Mix {
     }
 
     /// The slowest that the blend passes anywhere, and where.
-    pub(super) fn slowest(&self, corner: Corner<'_>, speeds: &[f64]) -> (f64, f64) {
-        slowest(self.passage.length(), PACE_SAMPLES, speeds, |s, q| {
+    pub(super) fn slowest(
+        &self,
+        corner: Corner<'_>,
+        speeds: &[f64],
+        budget: &Budget<'_>,
+    ) -> Result<(f64, f64), Stopped> {
+        slowest(self.passage.length(), PACE_SAMPLES, speeds, budget, |s, q| {
             self.joints(corner, s, Side::After, q);
         })
     }

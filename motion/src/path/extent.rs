@@ -7,7 +7,8 @@
 use super::arm::Arm;
 use super::request::{Blend, Extent};
 use super::track::Track;
-use crate::tolerance::{BISECTIONS, HELPER_SAMPLES, SEAM_ROUNDING};
+use crate::budget::{Budget, Stopped};
+use crate::tolerance::{BISECTIONS, HELPER_SAMPLES, PIECE_SAMPLES, SEAM_ROUNDING};
 
 /// One corner to be blended.
 #[derive(Debug, Clone)]
@@ -29,17 +30,23 @@ struct Leg<'a> {
 }
 
 /// Finds the extents of all corners; `corners[i]` is between tracks i and i + 1, `None` an exact stop.
-pub(super) fn settle(arm: &Arm, tracks: &[Track], blends: &[Option<Blend>]) -> Vec<Option<Reach>> {
-    let mut corners: Vec<Option<Reach>> = blends
-        .iter()
-        .zip(tracks.windows(2))
-        .map(|(blend, tracks)| blend.map(|blend| wanted(arm, &tracks[0], &tracks[1], blend)))
-        .collect();
+pub(super) fn settle(
+    arm: &Arm,
+    tracks: &[Track],
+    blends: &[Option<Blend>],
+    budget: &Budget<'_>,
+) -> Result<Vec<Option<Reach>>, Stopped> {
+    let mut corners: Vec<Option<Reach>> = Vec::with_capacity(blends.len());
+    for (blend, tracks) in blends.iter().zip(tracks.windows(2)) {
+        budget.check()?;
+        corners.push(blend.map(|blend| wanted(arm, &tracks[0], &tracks[1], blend)));
+    }
     for (index, track) in tracks.iter().enumerate() {
         share(track, &mut corners, index);
     }
     for (corner, tracks) in corners.iter_mut().zip(tracks.windows(2)) {
         if let Some(corner) = corner {
+            budget.check()?;
             even_out(arm, &tracks[0], &tracks[1], corner);
         }
     }
@@ -52,7 +59,7 @@ pub(super) fn settle(arm: &Arm, tracks: &[Track], blends: &[Option<Blend>]) -> V
             corner.before = track.length - entering;
         }
     }
-    corners
+    Ok(corners)
 }
 
 /// What a blend would have if it were alone.
@@ -142,8 +149,9 @@ impl Leg<'_> {
 
     /// Where the tool first is that far from the corner; `None`: nowhere on the track.
     fn at_distance(&self, arm: &Arm, radius: f64) -> Option<f64> {
-        let step = self.track.length / HELPER_SAMPLES as f64;
-        let far = (1..=HELPER_SAMPLES).find(|i| self.distance(arm, step * *i as f64) >= radius)?;
+        let samples = HELPER_SAMPLES.max(PIECE_SAMPLES * (self.track.knots.len() + 1));
+        let step = self.track.length / samples as f64;
+        let far = (1..=samples).find(|i| self.distance(arm, step * *i as f64) >= radius)?;
         let (low, high) = (step * (far - 1) as f64, step * far as f64);
         Some(bisect(low, high, |reach| self.distance(arm, reach) >= radius))
     }
@@ -160,8 +168,20 @@ impl Leg<'_> {
         if self.track.is_uniform() {
             return Some(way / self.track.tool_length * length);
         }
-        let way_to = |reach: f64| self.track.tool_way(arm, self.parameter(0.0), self.parameter(reach));
-        Some(bisect(0.0, length, |reach| way_to(reach) >= way))
+        // from knot to knot, and then within one
+        let knots = self.track.knots.iter();
+        let mut reaches: Vec<f64> = knots.map(|knot| self.parameter(*knot)).chain([length]).collect();
+        reaches.sort_by(f64::total_cmp);
+        let (mut low, mut left) = (0.0, way);
+        for high in reaches {
+            let way_to = |reach: f64| self.track.tool_way(arm, self.parameter(low), self.parameter(reach));
+            let piece = way_to(high);
+            if piece >= left {
+                return Some(bisect(low, high, |reach| way_to(reach) >= left));
+            }
+            (low, left) = (high, left - piece);
+        }
+        Some(length)
     }
 }
 

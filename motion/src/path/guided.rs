@@ -81,9 +81,4 @@ impl Guided {
     pub(super) fn end(&self) -> Vec<f64> {
         self.seeds.end()
     }
-
-    /// Whether any joints are led.
-    pub(super) fn leads(&self) -> bool {
-        !self.course.led.is_empty()
-    }
 }

@@ -1,19 +1,34 @@
 //! How fast a path passes at ṡ = 1: the largest part of its speed limit at which a joint moves.
 
 use super::track::Joints;
+use crate::budget::{Budget, Stopped};
 use crate::jet::Jet;
-use crate::tolerance::{GOLDEN_ROUNDS, VALLEY_MAX};
+use crate::tolerance::{BUDGET_STRIDE, GOLDEN_ROUNDS, PACE_SAMPLES, PIECE_SAMPLES, VALLEY_MAX};
+
+/// Samples of a curve of so many polynomials.
+pub(super) fn samples(pieces: usize) -> usize {
+    PACE_SAMPLES.max(PIECE_SAMPLES * pieces)
+}
 
 /// ∫ max_j |q′_j|/V_j du: how long the curve takes where the joint that is nearest to its speed limit is just at it.
-pub(super) fn normal_length(end: f64, speeds: &[f64], samples: usize, at: impl Fn(Jet, &mut Joints)) -> f64 {
+pub(super) fn normal_length(
+    end: f64,
+    speeds: &[f64],
+    samples: usize,
+    budget: &Budget<'_>,
+    at: impl Fn(Jet, &mut Joints),
+) -> Result<f64, Stopped> {
     let mut q = Joints::default();
     let mut sum = 0.0;
     for i in 0..samples {
+        if i % BUDGET_STRIDE == 0 {
+            budget.check()?;
+        }
         let u = end * (i as f64 + 0.5) / samples as f64;
         at(Jet::variable(u, 1.0), &mut q);
         sum += pace(&q, speeds);
     }
-    sum / samples as f64 * end
+    Ok(sum / samples as f64 * end)
 }
 
 /// max_j |q′_j|/V_j.
@@ -25,14 +40,26 @@ pub(super) fn pace(q: &Joints, speeds: &[f64]) -> f64 {
 }
 
 /// The slowest pace of a path and where it is: 0 where the path has a cusp or turns back on itself.
-pub(super) fn slowest(length: f64, samples: usize, speeds: &[f64], at: impl Fn(f64, &mut Joints)) -> (f64, f64) {
+pub(super) fn slowest(
+    length: f64,
+    samples: usize,
+    speeds: &[f64],
+    budget: &Budget<'_>,
+    at: impl Fn(f64, &mut Joints),
+) -> Result<(f64, f64), Stopped> {
     let mut q = Joints::default();
     let mut pace_at = |s: f64| {
         at(s, &mut q);
         pace(&q, speeds)
     };
     let step = length / samples as f64;
-    let paces: Vec<f64> = (0..=samples).map(|i| pace_at(step * i as f64)).collect();
+    let mut paces = Vec::with_capacity(samples + 1);
+    for i in 0..=samples {
+        if i % BUDGET_STRIDE == 0 {
+            budget.check()?;
+        }
+        paces.push(pace_at(step * i as f64));
+    }
     let mut least = (f64::INFINITY, 0.0);
     for (i, pace) in paces.iter().enumerate() {
         if *pace < least.0 {
@@ -42,6 +69,7 @@ pub(super) fn slowest(length: f64, samples: usize, speeds: &[f64], at: impl Fn(f
     for i in 1..samples {
         let valley = paces[i] <= paces[i - 1] && paces[i] <= paces[i + 1];
         if valley && paces[i] < VALLEY_MAX {
+            budget.check()?;
             let (low, high) = (step * (i - 1) as f64, step * (i + 1) as f64);
             let valley = golden(&mut pace_at, low, high, GOLDEN_ROUNDS);
             if valley.0 < least.0 {
@@ -49,7 +77,7 @@ pub(super) fn slowest(length: f64, samples: usize, speeds: &[f64], at: impl Fn(f
             }
         }
     }
-    least
+    Ok(least)
 }
 
 /// The least value of a function with one valley, and where, by golden section.

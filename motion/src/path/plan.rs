@@ -150,11 +150,11 @@ fn fastest(
 
 impl Run for Stroke {
     fn spans(&self) -> &[Span] {
-        Stroke::spans(self)
+        Self::spans(self)
     }
 
     fn location(&self, s: f64) -> Location {
-        Stroke::location(self, s)
+        Self::location(self, s)
     }
 }
 

@@ -60,7 +60,7 @@ impl<'a> Teacher<'a> {
         budget: &Budget<'_>,
     ) -> Result<Option<Track>, Fault> {
         let (curve, target) = match shape {
-            Shape::Joint { target } => return self.joint(segment, target),
+            Shape::Joint { target } => return self.joint(segment, target, budget),
             Shape::Line { target } => (ToolCurve::line(&self.pose(), &self.pose_of(target)), Some(target)),
             Shape::Arc(arc) => {
                 let target = arc
@@ -72,12 +72,12 @@ impl<'a> Teacher<'a> {
             Shape::Spline(spline) => {
                 let path = format!("segments[{segment}].spline");
                 let curve = match spline.space {
-                    Space::Joint => return self.joint_spline(segment, &path, spline),
+                    Space::Joint => return self.joint_spline(segment, &path, spline, budget),
                     Space::Tool => self.tool_spline(&path, spline)?,
                 };
                 let Some(curve) = curve else { return Ok(None) };
                 let track = self.guided(segment, &curve, spline.points.last(), warnings, budget)?;
-                self.check_pace(&path, &track)?;
+                self.check_pace(&path, &track, budget)?;
                 return Ok(Some(track));
             }
         };
@@ -137,7 +137,7 @@ impl<'a> Teacher<'a> {
             return Err(self.other_branch(segment, joint, taught[joint], end[joint]).into());
         }
         self.q = end;
-        Ok(Track::of_tool(&self.arm, segment, guided, &self.speeds))
+        Ok(Track::of_tool(&self.arm, segment, guided, &self.speeds, budget)?)
     }
 
     /// The joints beyond six, each led evenly from where it is to where it is at the end.
@@ -238,7 +238,7 @@ impl<'a> Teacher<'a> {
         Ok(ToolCurve::Arc { circle, turn })
     }
 
-    fn joint(&mut self, segment: usize, target: &Target) -> Result<Option<Track>, Fault> {
+    fn joint(&mut self, segment: usize, target: &Target, budget: &Budget<'_>) -> Result<Option<Track>, Fault> {
         let end = self.joints_of(segment, target, &self.q)?;
         let travel = self.q.iter().zip(&end).map(|(from, to)| (to - from).abs());
         if travel.fold(0.0, f64::max) < SEGMENT_MIN {
@@ -246,7 +246,7 @@ impl<'a> Teacher<'a> {
         }
         let curve = Piecewise::straight(&self.q, &end);
         self.q = end;
-        let mut track = Track::of_joints(&self.arm, segment, curve, &self.speeds);
+        let mut track = Track::of_joints(&self.arm, segment, curve, &self.speeds, budget)?;
         track.by_part = true;
         Ok(Some(track))
     }

@@ -8,13 +8,21 @@ use super::shape::ToolCurve;
 use super::spline::spline;
 use super::taught::Teacher;
 use super::track::Track;
+use crate::budget::Budget;
 use crate::tolerance::{BLEND_ANGLE_MAX, PACE_MIN, SEGMENT_MIN, TURN_LENGTH};
 
 impl Teacher<'_> {
     /// A spline of the joints; chords are measured in time at full speed.
-    pub(super) fn joint_spline(&mut self, segment: usize, path: &str, asked: &Spline) -> Result<Option<Track>, Fault> {
+    pub(super) fn joint_spline(
+        &mut self,
+        segment: usize,
+        path: &str,
+        asked: &Spline,
+        budget: &Budget<'_>,
+    ) -> Result<Option<Track>, Fault> {
         let mut points = vec![self.q.clone()];
         for target in &asked.points {
+            budget.check()?;
             let before = &points[points.len() - 1];
             points.push(self.joints_of(segment, target, before)?);
         }
@@ -29,8 +37,8 @@ impl Teacher<'_> {
         if let Some(end) = points.pop() {
             self.q = end;
         }
-        let track = Track::of_joints(&self.arm, segment, curve, &self.speeds);
-        self.check_pace(path, &track)?;
+        let track = Track::of_joints(&self.arm, segment, curve, &self.speeds, budget)?;
+        self.check_pace(path, &track, budget)?;
         Ok(Some(track))
     }
 
@@ -62,8 +70,8 @@ impl Teacher<'_> {
     }
 
     /// A curve that stops or has a cusp cannot be run through.
-    pub(super) fn check_pace(&self, path: &str, track: &Track) -> Result<(), Fault> {
-        let (pace, part) = track.slowest(&self.arm, &self.speeds);
+    pub(super) fn check_pace(&self, path: &str, track: &Track, budget: &Budget<'_>) -> Result<(), Fault> {
+        let (pace, part) = track.slowest(&self.arm, &self.speeds, budget)?;
         if pace >= PACE_MIN {
             return Ok(());
         }

@@ -4,13 +4,14 @@ use nalgebra::Vector3;
 
 use super::arm::Arm;
 use super::guided::Guided;
-use super::pace::{normal_length, slowest};
+use super::pace::{normal_length, samples, slowest};
 use super::piecewise::Piecewise;
 use super::tool::ToolPoint;
+use crate::budget::{Budget, Stopped};
 use crate::curve::Side;
 use crate::jet::Jet;
 use crate::robot::JOINTS_MAX;
-use crate::tolerance::{PACE_SAMPLES, TOOL_LENGTH_SAMPLES};
+use crate::tolerance::{PIECE_PANELS, WAY_PANELS};
 
 /// Jets of as many joints as there may be; the rest are zero.
 pub(super) type Joints = [Jet; JOINTS_MAX];
@@ -41,14 +42,20 @@ enum Geometry {
 
 impl Track {
     /// A curve of the joints, brought to normalised time. `speeds` is what counts as full speed of each joint.
-    pub(super) fn of_joints(arm: &Arm, segment: usize, curve: Piecewise, speeds: &[f64]) -> Self {
+    pub(super) fn of_joints(
+        arm: &Arm,
+        segment: usize,
+        curve: Piecewise,
+        speeds: &[f64],
+        budget: &Budget<'_>,
+    ) -> Result<Self, Stopped> {
         let samples = if curve.is_straight() {
             1
         } else {
-            PACE_SAMPLES * (curve.knots().len() - 1)
+            samples(curve.knots().len() - 1)
         };
         let end = curve.length();
-        let length = normal_length(end, speeds, samples, |u, q| curve.at(u, Side::After, q));
+        let length = normal_length(end, speeds, samples, budget, |u, q| curve.at(u, Side::After, q))?;
         let curve = curve.stretched(length);
         let mut track = Self {
             segment,
@@ -59,13 +66,21 @@ impl Track {
             geometry: Geometry::Joints(curve),
         };
         track.tool_length = track.tool_way(arm, 0.0, length);
-        track
+        Ok(track)
     }
 
     /// A curve of the tool, brought to normalised time.
-    pub(super) fn of_tool(arm: &Arm, segment: usize, guided: Guided, speeds: &[f64]) -> Self {
-        let samples = PACE_SAMPLES * (guided.curve().knots().len() - 1);
-        let length = normal_length(1.0, speeds, samples, |v, q| guided.joints(arm, v, Side::After, q));
+    pub(super) fn of_tool(
+        arm: &Arm,
+        segment: usize,
+        guided: Guided,
+        speeds: &[f64],
+        budget: &Budget<'_>,
+    ) -> Result<Self, Stopped> {
+        let samples = samples(guided.curve().knots().len() - 1);
+        let length = normal_length(1.0, speeds, samples, budget, |v, q| {
+            guided.joints(arm, v, Side::After, q)
+        })?;
         let uniform = guided.curve().uniform_length();
         let mut track = Self {
             segment,
@@ -76,7 +91,7 @@ impl Track {
             geometry: Geometry::Tool(Box::new(guided)),
         };
         track.tool_length = uniform.unwrap_or_else(|| track.tool_way(arm, 0.0, length));
-        track
+        Ok(track)
     }
 
     /// The joints at u, a function of some parameter.
@@ -114,12 +129,12 @@ impl Track {
     }
 
     /// The slowest that it passes anywhere, and at which part of it; of a spline alone it can be 0.
-    pub(super) fn slowest(&self, arm: &Arm, speeds: &[f64]) -> (f64, f64) {
-        let samples = PACE_SAMPLES * (self.knots.len() + 1);
-        let (pace, u) = slowest(self.length, samples, speeds, |u, q| {
+    pub(super) fn slowest(&self, arm: &Arm, speeds: &[f64], budget: &Budget<'_>) -> Result<(f64, f64), Stopped> {
+        let samples = samples(self.knots.len() + 1);
+        let (pace, u) = slowest(self.length, samples, speeds, budget, |u, q| {
             self.joints(arm, Jet::variable(u, 1.0), Side::After, q);
-        });
-        (pace, u / self.length)
+        })?;
+        Ok((pace, u / self.length))
     }
 
     /// Whether the tool runs along it at constant speed in u.
@@ -130,8 +145,24 @@ impl Track {
         }
     }
 
-    /// Length of the tool's way between two values of u, m: chords between knots, extrapolated once (their error goes
-    /// with the square of the step).
+    /// |p′| of the tool at u.
+    fn tool_pace(&self, arm: &Arm, u: f64) -> f64 {
+        let u = Jet::variable(u, 1.0);
+        match &self.geometry {
+            Geometry::Joints(curve) => {
+                let mut q = Joints::default();
+                curve.at(u, Side::After, &mut q);
+                let q = &q[..arm.joint_count()];
+                arm.rates::<1>(&arm.frames(q), q).linear[0].norm()
+            }
+            Geometry::Tool(_) => {
+                let position = self.tool(arm, u, Side::After).position;
+                Vector3::from(position.map(|part| part.0[1])).norm()
+            }
+        }
+    }
+
+    /// Length of the tool's way between two values of u, m: ∫|p′|du from knot to knot, by Gauss's rule.
     pub(super) fn tool_way(&self, arm: &Arm, from: f64, to: f64) -> f64 {
         let (low, high) = (from.min(to), from.max(to));
         let inside = self.knots.iter().copied().filter(|knot| *knot > low && *knot < high);
@@ -145,22 +176,31 @@ impl Track {
     }
 
     fn smooth_way(&self, arm: &Arm, from: f64, to: f64) -> f64 {
-        let steps = TOOL_LENGTH_SAMPLES;
-        let (mut fine, mut coarse) = (0.0, 0.0);
-        let mut even = self.tool_position(arm, from);
-        let mut last = even;
-        for i in 1..=steps {
-            let point = self.tool_position(arm, from + (to - from) * i as f64 / steps as f64);
-            fine += (point - last).norm();
-            if i % 2 == 0 {
-                coarse += (point - even).norm();
-                even = point;
-            }
-            last = point;
-        }
-        fine + (fine - coarse) / 3.0
+        let panels = if self.knots.is_empty() {
+            WAY_PANELS
+        } else {
+            PIECE_PANELS
+        };
+        let half = 0.5 * (to - from) / panels as f64;
+        let panel = |i: usize| {
+            let middle = from + half * (2 * i + 1) as f64;
+            let pair = |(node, weight): (f64, f64)| {
+                let ends = [middle - half * node, middle + half * node];
+                weight * half * ends.map(|u| self.tool_pace(arm, u)).iter().sum::<f64>()
+            };
+            GAUSS.into_iter().map(pair).sum::<f64>()
+        };
+        (0..panels).map(panel).sum()
     }
 }
+
+/// Nodes and weights of Gauss's rule with eight points, of one half of (−1, 1) (Abramowitz and Stegun 1964, table 25.4).
+const GAUSS: [(f64, f64); 4] = [
+    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
+    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
+    (0.796_666_477_413_626_7, 0.222_381_034_453_374_5),
+    (0.960_289_856_497_536_3, 0.101_228_536_290_376_3),
+];
 
 /// The knots between the ends, stretched.
 fn inner(knots: &[f64], factor: f64) -> Vec<f64> {

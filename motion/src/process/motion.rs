@@ -101,11 +101,6 @@ impl ConstantSpeedMotion {
         self.duration
     }
 
-    /// Vs, m/s.
-    pub(crate) fn speed(&self) -> f64 {
-        self.speed
-    }
-
     /// When the taught points are passed, s: one more than there are segments. At the ends the motion rests.
     pub(crate) fn passes(&self) -> Vec<f64> {
         let mut passes = self.passes.clone();

@@ -8,10 +8,10 @@
 //! tool           |p′·b + p″·a| ≤ A_tool        speeds     a ≤ a_max            minimise ∫ ds/√a
 //! ```
 //!
-//! (Verscheure et al. 2009 for the form; Debrouwere et al. 2013 for jerk as a difference of convex functions.) a(s) is a
-//! cubic spline between two laws of constant jerk at rest ([`basis`], [`rest`]), its coefficients found by an interior
-//! point of three bands ([`interior`]) whose every iterate obeys the limits at the samples. A coarse grid first; its
-//! solution says where the fine one has its nodes. What the fine solution exceeds between samples
+//! (Verscheure et al. 2009 for the form; Debrouwere et al. 2013 for jerk as a difference of convex functions.) a(s) is
+//! a cubic spline between two laws of constant jerk at rest ([`basis`], [`rest`]), its coefficients found by an
+//! interior point of three bands ([`interior`]) whose every iterate obeys the limits at the samples. A coarse grid
+//! first; its solution says where the fine one has its nodes. What the fine solution exceeds between samples
 //! ([`certificate`]) tightens the limits there for another solve; the little that is left then is slowed down evenly.
 
 mod band;
@@ -20,7 +20,6 @@ mod certificate;
 mod fold;
 mod interior;
 mod level;
-mod limiting;
 mod nodes;
 mod pass;
 mod profile;
@@ -40,7 +39,8 @@ use certificate::Certificate;
 use interior::{Accuracy, Solver};
 use level::Level;
 
-/// Part of every limit that the first profile of a solve uses: from nothing, from a coarser grid, after tightening.
+/// Part of every limit that the first profile of a solve uses: from nothing, from a coarser grid, after tightening. The
+/// nearer it is to the end, the less room its slacks need.
 const START_COLD: f64 = 0.6;
 const START_PROLONGED: f64 = 0.95;
 const START_AGAIN: f64 = 0.98;
@@ -80,9 +80,8 @@ pub(crate) fn jerk_limited(task: &Task<'_>, budget: &Budget<'_>) -> Result<Resul
     Solver::new(&coarse.problem).improve(&coarse.problem, &mut x, &COLD, budget)?;
 
     let profile = coarse.profile(&x);
-    let Some(nodes) = nodes::respread(&profile, &apart, task.intervals.max(JERK_INTERVALS_MIN)) else {
-        return Ok(Err(Obstacle::NO_TIMING));
-    };
+    let intervals = task.intervals.max(JERK_INTERVALS_MIN);
+    let nodes = nodes::respread(&profile, &apart, intervals).unwrap_or_else(|| nodes::even(&apart, intervals));
     let mut fine = match Level::new(task, nodes, &fixed, budget)? {
         Ok(level) => level,
         Err(obstacle) => return Ok(Err(obstacle)),
@@ -138,11 +137,7 @@ fn certified(
     for _ in 0..JERK_SLOW_ROUNDS {
         budget.check()?;
         if speed >= 1.0 {
-            let timing = level.profile(&x).law().map(|law| Timing {
-                law,
-                limiting: certificate.limiting(),
-                rounds,
-            });
+            let timing = level.profile(&x).law().map(|law| Timing { law, rounds });
             return Ok(timing.ok_or(Obstacle::NO_TIMING));
         }
         let slower = speed * (1.0 - JERK_RESERVE);

@@ -244,10 +244,6 @@ impl TimeLaw {
         self.times.last().copied().unwrap_or(0.0)
     }
 
-    pub(crate) fn pieces(&self) -> &[Piece] {
-        &self.pieces
-    }
-
     /// When each piece begins, and when the last one ends.
     pub(crate) fn times(&self) -> &[f64] {
         &self.times
@@ -276,16 +272,6 @@ impl TimeLaw {
             return self.duration();
         };
         self.times[index] + piece.time_to((s - piece.begin).clamp(0.0, piece.length()))
-    }
-
-    /// a and a′/2 at a place: ṡ² and s̈. Where a′ jumps, those of the piece that ends there.
-    pub(crate) fn square_at(&self, s: f64) -> [f64; 2] {
-        let index = self.pieces.partition_point(|piece| piece.end < s);
-        let Some(piece) = self.pieces.get(index.min(self.pieces.len().saturating_sub(1))) else {
-            return [0.0; 2];
-        };
-        let [a, a1, _] = piece.at((s - piece.begin).clamp(0.0, piece.length()));
-        [a, 0.5 * a1]
     }
 
     /// The same motion at `factor` times the speed.

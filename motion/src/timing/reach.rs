@@ -237,7 +237,7 @@ pub(crate) fn fastest(
         let range = ranges[i].clone();
         let (b, _) = lowest(&kept_at_rest[range.clone()], &kept_slope[range], squares[i]);
         let [low, high] = sets[i + 1];
-        squares[i + 1] = (squares[i] + 2.0 * grid.step(i) * b).clamp(low, high);
+        squares[i + 1] = (squares[i] + 2.0 * grid.step(i) * b).max(low).min(high);
     }
     Ok(Ok(squares))
 }

@@ -5,6 +5,7 @@ use crate::jet::Jet;
 use crate::robot::Robot;
 use crate::robot::description::{Description, Kinematics};
 use crate::test_arms::random;
+use crate::timing::law::TimeLaw;
 
 pub(super) fn set(point: &mut CurvePoint, joint: usize, value: Jet) {
     [
@@ -149,4 +150,10 @@ fn from_urdf(text: &str, oracle: &str) -> Robot {
     };
     let resolved = description.resolve().unwrap();
     Robot::new(resolved.spec, resolved.warnings).unwrap()
+}
+
+/// ṡ² and s̈ at a place.
+pub(super) fn square_at(law: &TimeLaw, s: f64) -> [f64; 2] {
+    let at = law.at(law.time_at(s));
+    [at.velocity * at.velocity, at.acceleration]
 }

@@ -2,7 +2,6 @@
 
 use super::Obstacle;
 use super::certificate::{Certificate, Use};
-use super::limiting::Limiting;
 use super::rows::Rooms;
 use super::solve::Problem;
 use crate::budget::{Budget, Stopped};
@@ -16,8 +15,6 @@ pub(super) struct Verdict {
     pub(super) worst: f64,
     /// Every use above what is certified.
     pub(super) excesses: Vec<Use>,
-    /// The tightest limit in the middle of each interval.
-    pub(super) limiting: Vec<Limiting>,
 }
 
 /// Looks at a timing with b constant on each interval.
@@ -30,7 +27,6 @@ pub(super) fn judge(certificate: &Certificate<'_>, squares: &[f64], budget: &Bud
     let mut verdict = Verdict {
         worst: 0.0,
         excesses: Vec::new(),
-        limiting: vec![Limiting::default(); certificate.grid.interval_count()],
     };
     certificate.visit(&rates, budget, &mut |at| {
         let ratio = at.ratio();
@@ -38,14 +34,6 @@ pub(super) fn judge(certificate: &Certificate<'_>, squares: &[f64], budget: &Bud
             verdict.excesses.push(*at);
         }
         verdict.worst = verdict.worst.max(ratio);
-        let limiting = &mut verdict.limiting[at.interval];
-        if at.part == CHECK_PARTS / 2 && ratio > limiting.ratio {
-            *limiting = Limiting {
-                kind: at.kind,
-                joint: at.joint,
-                ratio,
-            };
-        }
     })?;
     Ok(verdict)
 }

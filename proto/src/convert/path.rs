@@ -1,5 +1,6 @@
 //! Robot programs in, timed paths out.
 
+mod blend;
 mod outcome;
 mod request;
 

@@ -114,7 +114,7 @@ pub(super) fn rows() -> Vec<Row> {
 
 fn whole() -> Vec<Row> {
     vec![
-        row("no start", |m| m.start = None, &["start"]),
+        row("no start", |m| m.start = None, &["start", "start.position"]),
         row(
             "start short",
             |m| m.start = Some(JointPosition { position: vec![0.0; 5] }),

@@ -8,6 +8,7 @@ use crate::path::request::*;
 use crate::plan::request::{LimitOverride, Sampling};
 use crate::robot::Robot;
 use crate::robot::spec::Inertial;
+use crate::test_arms;
 
 const START: [f64; 6] = [0.0, -1.2, 1.4, -1.6, -1.5, 0.3];
 
@@ -238,4 +239,40 @@ fn jerk_limits_hold_between_set_points() {
             assert!(third.abs() <= jerk + rounding, "{third}");
         }
     }
+}
+
+/// A single joint's trapezoid is held by its acceleration, its speed, its acceleration; with jerk, by that too.
+#[test]
+fn the_limit_that_holds_the_path_is_named() {
+    let lift = test_arms::robot(test_arms::lift(5.0));
+    let limited = |jerk| PathRequest {
+        tcp: None,
+        limits: vec![LimitOverride {
+            joint: "lift".to_owned(),
+            velocity: Some(1.0),
+            acceleration: Some(3.0),
+            jerk,
+            ..LimitOverride::default()
+        }],
+        ..request(&[-0.3], vec![joint(&[1.7], None)])
+    };
+    let plan = planned(&lift, &limited(None));
+    let kinds: Vec<PathLimit> = plan.limiting.iter().map(|stretch| stretch.kind).collect();
+    assert_eq!(
+        kinds,
+        [PathLimit::Acceleration, PathLimit::Velocity, PathLimit::Acceleration]
+    );
+    assert!((plan.duration - (2.0 + 1.0 / 3.0)).abs() < 2e-3, "{}", plan.duration);
+    let plan = planned(&lift, &limited(Some(20.0)));
+    let time = |kind| {
+        let costs = plan.limit_costs.iter().filter(|cost| cost.kind == kind);
+        costs.map(|cost| cost.time).sum::<f64>()
+    };
+    // four phases of jerk of A/J, two of acceleration of V/A − A/J, and the cruise of d/V − V/A − A/J
+    assert!((time(PathLimit::Jerk) - 0.6).abs() < 0.1, "{:?}", plan.limit_costs);
+    assert!(
+        (time(PathLimit::Velocity) - (2.0 - 1.0 / 3.0 - 0.15)).abs() < 0.1,
+        "{:?}",
+        plan.limit_costs
+    );
 }

@@ -145,3 +145,37 @@ fn points_that_coincide_or_turn_back_are_refused() {
     let finding = &refused(&robot, &request(&READY, vec![none]))[0];
     assert_eq!(finding, "segments[0].spline.points: 0 points, from 1 to 10 can be had");
 }
+
+/// Path lengths along a spline of many pieces, from either end, against a fine polyline.
+#[test]
+fn lengths_on_a_spline_are_measured_along_it() {
+    let robot = ur5e();
+    let state = &mut 18;
+    let lengths = Extent::Lengths {
+        before: 0.06,
+        after: 0.11,
+    };
+    let segments = vec![
+        spline(SplineKind::Quintic, Space::Tool, tool_points(7, state), blend(lengths)),
+        spline(SplineKind::BSpline, Space::Tool, tool_points(9, state), None),
+    ];
+    let program = program(&robot, &request(&READY, segments));
+    let alone = |segment: usize, from: f64, to: f64| {
+        // the taught curves themselves: the same segments with an exact stop
+        let state = &mut 18;
+        let first = spline(SplineKind::Quintic, Space::Tool, tool_points(7, state), None);
+        let second = spline(SplineKind::BSpline, Space::Tool, tool_points(9, state), None);
+        let stopping = super::support::program(&robot, &request(&READY, vec![first, second]));
+        let stroke = &stopping.strokes[segment];
+        let point = |i: usize| {
+            let part = from + (to - from) * i as f64 / 2000.0;
+            tool_at(&robot, stroke, stroke.length() * part).translation.vector
+        };
+        (1..=2000).map(|i| (point(i) - point(i - 1)).norm()).sum::<f64>()
+    };
+    let report = &program.blends[0];
+    assert!(report.shrunk.is_none(), "{report:?}");
+    assert!((alone(0, report.begin.fraction, 1.0) - 0.06).abs() < 1e-5);
+    assert!((alone(1, 0.0, report.end.fraction) - 0.11).abs() < 1e-5);
+    assert!((alone(0, 0.0, 1.0) / program.tool_lengths[0] - 1.0).abs() < 1e-5);
+}

@@ -1,7 +1,7 @@
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::support::*;
-use crate::curve::{Curve, CurvePoint, Side};
+use crate::curve::{Curve, Side};
 use crate::kinematics::pose;
 use crate::path::outcome::PathInfeasibleReason;
 use crate::path::request::*;

@@ -1,8 +1,8 @@
 //! a(s) = ṡ² as a cubic B-spline between the two laws of constant jerk at rest.
 //!
 //! Nodes s₀ … s_N. On [s₁, s_{N−1}], with knots {s₁ ×4, s₂ … s_{N−2}, s_{N−1} ×4}, a(s) = Σ dᵢ·Bᵢ(s) with N + 1
-//! coefficients. So s̈ = b = a′/2 and c = s⃛/ṡ = a″/2 are continuous and c is piecewise linear: jerk can follow a path whose
-//! third derivative moves within an interval. The first three coefficients follow from a₁ and the last three from
+//! coefficients. So s̈ = b = a′/2 and c = s⃛/ṡ = a″/2 are continuous and c is piecewise linear: jerk can follow a path
+//! whose third derivative moves within an interval. The first three coefficients follow from a₁ and the last three from
 //! a_{N−1} through [`super::rest`]; so x = d₂ … d_{N−2} are the unknowns. (Cox 1972, de Boor 1972.)
 
 use super::rest;
@@ -64,7 +64,8 @@ impl Basis {
         self.nodes.len() - 4
     }
 
-    /// Where each unknown acts on average (Greville 1967): a smooth function's values there are close to its coefficients.
+    /// Where each unknown acts on average (Greville 1967): a smooth function's values there are close to its
+    /// coefficients.
     pub(crate) fn centers(&self) -> impl Iterator<Item = f64> + '_ {
         (2..2 + self.unknown_count()).map(|i| (self.knots[i + 1] + self.knots[i + 2] + self.knots[i + 3]) / 3.0)
     }

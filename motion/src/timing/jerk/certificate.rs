@@ -1,9 +1,9 @@
 //! How much of every limit a profile uses, between samples too.
 //!
-//! Each interval (each part of it, where a knot is inside) has eight points, both ends included, where every limit is evaluated exactly. Between two of them a
-//! value v that were a parabola peaks at most |Δ²v|/8 above the higher one, Δ²v the second difference there; that is
-//! added on the side to which the parabola bulges, with the largest Δ²v of the point and its neighbours. The bound is rigorous
-//! up to third differences, which the grid keeps small.
+//! Each interval (each part of it, where a knot is inside) has eight points, both ends included, where every limit is
+//! evaluated exactly. Between two of them a value v that were a parabola peaks at most |Δ²v|/8 above the higher one,
+//! Δ²v the second difference there; that is added on the side to which the parabola bulges, with the largest Δ²v of the
+//! point and its neighbours. The bound is rigorous up to third differences, which the grid keeps small.
 
 use pulp::Arch;
 
@@ -82,21 +82,10 @@ impl<'a> Certificate<'a> {
         }))
     }
 
-    /// Which sample of the coefficients a point of a cell is.
-    pub(super) fn place(cell: usize, point: usize) -> usize {
-        cell * POINTS + point
-    }
-
     /// The cells of an interval.
     fn within(&self, interval: usize) -> std::ops::Range<usize> {
         let below = |limit: usize| self.cells.partition_point(|cell| cell.interval < limit);
         below(interval)..below(interval + 1)
-    }
-
-    /// The cell in the middle of each interval.
-    pub(super) fn middles(&self) -> impl Iterator<Item = usize> + '_ {
-        let is_middle = |cell: &Cell| cell.from < 0.5 && cell.to >= 0.5;
-        (0..self.cells.len()).filter(move |cell| is_middle(&self.cells[*cell]))
     }
 
     /// The largest even change of speed, at most 1, with which no limit is exceeded; for torque, a safe estimate.
@@ -139,7 +128,8 @@ impl<'a> Certificate<'a> {
         Some(speed)
     }
 
-    /// How much less of the limits a sample at the part `part` of an interval may use, so that nothing around it is exceeded. At the ends of the grid the sample answers for its rest interval too.
+    /// How much less of the limits a sample at the part `part` of an interval may use, so that nothing around it is
+    /// exceeded. At the ends of the grid the sample answers for its rest interval too.
     pub(crate) fn tightening(&self, interval: usize, part: f64) -> Tightening {
         let mut uses = [0.0_f64; 4];
         let mut add = |interval: usize, low: f64, high: f64| {

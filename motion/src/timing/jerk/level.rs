@@ -1,8 +1,9 @@
 //! One grid: its spline, its samples and their rows.
 //!
-//! Samples are the inner nodes (on a knot of the path or a border of the limits, one on each side) and the middles of the
-//! inner intervals: at nodes alone, c could zigzag around limits of acceleration and torque in between. What bounds the first and last interval, where the law of
-//! constant jerk holds, is linear in powers of its one number a₁: eight samples of each bound a₁ from above.
+//! Samples are the inner nodes (on a knot of the path or a border of the limits, one on each side) and the middles of
+//! the inner intervals: at nodes alone, c could zigzag around limits of acceleration and torque in between. What bounds
+//! the first and last interval, where the law of constant jerk holds, is linear in powers of its one number a₁: eight
+//! samples of each bound a₁ from above.
 
 use super::basis::Basis;
 use super::certificate::{Certificate, inside};
@@ -224,7 +225,8 @@ impl Level {
         x
     }
 
-    /// Runs the motion evenly faster, up to `most` times, or slower, so that it uses the part `target` of a limit at the samples.
+    /// Runs the motion evenly faster, up to `most` times, or slower, so that it uses the part `target` of a limit at
+    /// the samples.
     pub(crate) fn run_at(&self, x: &mut [f64], target: f64, most: f64) {
         let mut speed = most;
         for (k, sample) in self.problem.samples.iter().enumerate() {

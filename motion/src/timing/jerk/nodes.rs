@@ -1,4 +1,5 @@
-//! Where the nodes of a grid are: on knots of the path and borders of limits, and between them where the motion spends its time.
+//! Where the nodes of a grid are: on knots of the path and borders of limits, and between them where the motion spends
+//! its time.
 
 use super::profile::Profile;
 use crate::timing::grid;

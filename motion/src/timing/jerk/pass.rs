@@ -53,9 +53,7 @@ impl PerRow {
             speed: vec![[ZERO; 1]; rows.speed.rows.len()],
         }
     }
-}
 
-impl PerRow {
     pub(crate) fn fill(&mut self, value: f64) {
         let block = [value; LANES_MAX];
         self.jerk.fill([block; 2]);

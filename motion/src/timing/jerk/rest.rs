@@ -6,11 +6,12 @@
 //! a = ṡ² = a₁·x^(4/3)      b = s̈ = ±(2/3)·(a₁/h)·x^(1/3)      s⃛ = (2/9)·a₁^(3/2)/h²      duration 3·h/√a₁
 //! ```
 //!
-//! At its inner end (a, b, c = s⃛/ṡ) = a₁·(1, ±2/(3h), 2/(9h²)), linear in a₁. The same law backwards comes to rest; b is
-//! then negative. c grows beyond all bounds towards rest, which no polynomial a(s) can follow: that is why the first and
-//! the last interval of a grid have this law.
+//! At its inner end (a, b, c = s⃛/ṡ) = a₁·(1, ±2/(3h), 2/(9h²)), linear in a₁. The same law backwards comes to rest; b
+//! is then negative. c grows beyond all bounds towards rest, which no polynomial a(s) can follow: that is why the first
+//! and the last interval of a grid have this law.
 
-/// (a, b, c)/a₁ at the inner end of a law of length `h`; `direction` is 1 where it leaves rest, −1 where it comes to rest.
+/// (a, b, c)/a₁ at the inner end of a law of length `h`; `direction` is 1 where it leaves rest, −1 where it comes to
+/// rest.
 pub(crate) fn inner_end(h: f64, direction: f64) -> [f64; 3] {
     [1.0, direction * 2.0 / (3.0 * h), 2.0 / (9.0 * h * h)]
 }
@@ -26,11 +27,6 @@ pub(crate) fn rates(h: f64, direction: f64, a1: f64, x: f64) -> [f64; 3] {
     ]
 }
 
-/// How long it takes, s.
-pub(crate) fn duration(h: f64, a1: f64) -> f64 {
-    3.0 * h / a1.sqrt()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -41,7 +37,7 @@ mod tests {
         let (jerk, t_end) = (7.0, 0.4_f64);
         let h = jerk * t_end.powi(3) / 6.0;
         let a1 = (jerk * t_end * t_end / 2.0).powi(2);
-        assert!((duration(h, a1) - t_end).abs() < 1e-14);
+        assert!((3.0 * h / a1.sqrt() - t_end).abs() < 1e-14);
         for part in [0.0, 0.1, 0.5, 0.9, 1.0] {
             let t = part * t_end;
             let s = jerk * t.powi(3) / 6.0;

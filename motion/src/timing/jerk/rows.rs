@@ -136,8 +136,8 @@ impl Rows {
         }
     }
 
-    /// The largest λ up to `most` at which (λ²a, λ²b, λ²c) uses at most the part `target` of every limit at a sample: the
-    /// same motion, run λ times as fast.
+    /// The largest λ up to `most` at which (λ²a, λ²b, λ²c) uses at most the part `target` of every limit at a sample:
+    /// the same motion, run λ times as fast.
     pub(crate) fn uniform_speed(&self, sample: usize, [a, b, c]: [f64; 3], target: f64, most: f64) -> f64 {
         let root = a.sqrt();
         let mut cubed = 0.0_f64;

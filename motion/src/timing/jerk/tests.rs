@@ -5,7 +5,6 @@ use nalgebra::{Isometry3, Vector3};
 use super::*;
 use crate::curve::Curve;
 use crate::measured::Polynomials;
-use crate::path::outcome::PathLimit;
 use crate::robot::Robot;
 use crate::robot::spec::{Drive, Friction};
 use crate::test_arms::{lift, planar, robot};
@@ -88,34 +87,6 @@ fn one_joint_moves_by_a_double_s() {
         assert!(jerk <= 1.0 + 1e-4 && others <= 1.0 - 1e-6, "{jerk} {others}");
         assert!(jerk.max(others) > 0.99);
     }
-}
-
-/// What holds a double-S is its jerk, then its acceleration, then its speed.
-#[test]
-fn the_tightest_limit_is_named() {
-    let lift = robot(lift(5.0));
-    let curve = Polynomials::new(vec![vec![-0.3, 2.0]], 1.0);
-    let timing = timed(&lift, &curve, &one_joint([1.0, 3.0, 20.0]), 200).unwrap();
-    assert_eq!(timing.limiting.len(), timing.law.pieces().len());
-    let stretches = crate::timing::limiting::stretches(&timing.law, &timing.limiting);
-    let costs = crate::timing::limiting::costs(&stretches);
-    let time = |kind| {
-        costs
-            .iter()
-            .filter(|cost| cost.kind == kind)
-            .map(|cost| cost.time)
-            .sum::<f64>()
-    };
-    // 4 phases of jerk of A/J, two of acceleration of V/A − A/J, and the cruise of d/V − V/A − A/J
-    assert!((time(PathLimit::Jerk) - 0.6).abs() < 0.1, "{costs:?}");
-    assert!(
-        (time(PathLimit::Acceleration) - 2.0 * (1.0 / 3.0 - 0.15)).abs() < 0.1,
-        "{costs:?}"
-    );
-    assert!(
-        (time(PathLimit::Velocity) - (2.0 - 1.0 / 3.0 - 0.15)).abs() < 0.1,
-        "{costs:?}"
-    );
 }
 
 /// The same arm with plausible rotors and friction: 4 % of the torque Coulomb, 3 % viscous at full speed.

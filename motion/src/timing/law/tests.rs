@@ -1,4 +1,5 @@
 use super::*;
+use crate::timing::test_curves::square_at;
 
 fn close(got: f64, expected: f64, tolerance: f64) {
     assert!(
@@ -50,7 +51,7 @@ fn velocity_acceleration_and_jerk_are_the_derivatives_of_the_position() {
         if here.velocity < 0.1 {
             continue;
         }
-        let [a, b] = law.square_at(here.position);
+        let [a, b] = square_at(&law, here.position);
         close(a.sqrt(), here.velocity, 1e-12);
         close(b, here.acceleration, 1e-12);
     }

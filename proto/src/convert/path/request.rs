@@ -4,13 +4,14 @@ use takt_motion::{
     POSITION_MAX, SEGMENTS_MAX, SPLINE_POINTS_MAX,
     nalgebra::{Isometry3, Vector3},
     path::request::{
-        Arc, ArcOrientation, Blend, Circle, Extent, OnExcess, PathRequest, Segment, Shape, Space, Spline, SplineKind,
-        Target, Timing, ToolLimits, Transition, Weight,
+        Arc, ArcOrientation, Circle, OnExcess, PathRequest, Segment, Shape, Space, Spline, SplineKind, Target, Timing,
+        ToolLimits, Transition,
     },
     plan::request::LimitOverride,
     robot::spec::RobotSpec,
 };
 
+use super::blend;
 use crate::{
     convert::{Findings, Path, SMALLEST, plan, quoted, robot, robot::LENGTH_MAX},
     v1,
@@ -19,16 +20,12 @@ use crate::{
 /// Longest dwell, s: an hour.
 const DWELL_MAX: f64 = 3600.0;
 
-/// Steepness of the sigmoid where none is given: the source's figure.
-const STEEPNESS: f64 = 5.0;
-
 const TIMINGS: &str = "OPTIMAL, CONSTANT_SPEED";
 const EXCESSES: &str = "SLOW_DOWN, REFUSE";
 const TRANSITIONS: &str = "SMOOTH, SOURCE";
 const ORIENTATIONS: &str = "INTERPOLATED, TANGENT";
 const KINDS: &str = "QUINTIC, CUBIC, B_SPLINE, BEZIER";
-const SPACES: &str = "JOINT, TOOL";
-const WEIGHTS: &str = "SMOOTHSTEP, TAN_SIGMOID";
+pub(super) const SPACES: &str = "JOINT, TOOL";
 
 /// Reads a program. The robot, where it is known, says how many joints there are and which frames have names.
 pub fn path_request(wire: v1::PlanPathRequest, robot: Option<&RobotSpec>, findings: &mut Findings) -> PathRequest {
@@ -139,7 +136,7 @@ impl Reader<'_> {
         }
         let blend = wire
             .blend
-            .map(|wire| blend(wire, blend_space, at.field("blend"), findings));
+            .map(|wire| blend::read(wire, blend_space, at.field("blend"), findings));
         let dwell_at = at.field("dwell_s");
         let dwell = wire
             .dwell_s
@@ -364,61 +361,7 @@ fn is_in_tool_space(segment: &v1::PathSegment) -> bool {
     }
 }
 
-fn blend(wire: v1::Blend, default: Space, at: Path<'_>, findings: &mut Findings) -> Blend {
-    let lengths = wire.before.is_some() || wire.after.is_some();
-    let ways = [wire.radius_m.is_some(), wire.fraction.is_some(), lengths];
-    if ways.iter().filter(|given| **given).count() != 1 {
-        findings.push(
-            at,
-            "must have exactly one of `radius_m`, `fraction`, `before` and `after`",
-        );
-    }
-    let extent = if let Some(radius) = findings.positive_option(at.field("radius_m"), wire.radius_m, " m") {
-        Extent::Radius(radius)
-    } else if let Some(fraction) = wire.fraction {
-        let fraction_at = at.field("fraction");
-        if fraction >= 1.0 {
-            findings.push(fraction_at, format!("{fraction} must be below 1"));
-        }
-        Extent::Fraction(findings.fraction(fraction_at, Some(fraction.min(1.0))))
-    } else {
-        let mut length = |name: &'static str, value: Option<f64>| {
-            if value.is_none() && lengths {
-                findings.push(at.field(name), "must be given too");
-            }
-            findings.positive_option(at.field(name), value, "").unwrap_or(0.0)
-        };
-        Extent::Lengths {
-            before: length("before", wire.before),
-            after: length("after", wire.after),
-        }
-    };
-    let space = optional_enum(findings, at.field("space"), wire.space, SPACES);
-    let weight = optional_enum(findings, at.field("weight"), wire.weight, WEIGHTS);
-    let steepness_at = at.field("steepness");
-    let steepness = findings.positive_option(steepness_at, wire.steepness, "");
-    let weight = match weight {
-        Some(v1::blend::Weight::TanSigmoid) => Weight::TanSigmoid {
-            a: steepness.unwrap_or(STEEPNESS),
-        },
-        Some(v1::blend::Weight::Smoothstep | v1::blend::Weight::Unspecified) | None => {
-            if steepness.is_some() {
-                findings.push(
-                    steepness_at,
-                    "is the steepness of TAN_SIGMOID, and that is not the weight",
-                );
-            }
-            Weight::Smoothstep
-        }
-    };
-    Blend {
-        extent,
-        space: space_or(space, default),
-        weight,
-    }
-}
-
-fn space_or(wire: Option<v1::Space>, default: Space) -> Space {
+pub(super) fn space_or(wire: Option<v1::Space>, default: Space) -> Space {
     match wire {
         Some(v1::Space::Joint) => Space::Joint,
         Some(v1::Space::Tool) => Space::Tool,
@@ -427,7 +370,7 @@ fn space_or(wire: Option<v1::Space>, default: Space) -> Space {
 }
 
 /// A number of an enum where one is given: known and specified.
-fn optional_enum<E: TryFrom<i32>>(
+pub(super) fn optional_enum<E: TryFrom<i32>>(
     findings: &mut Findings,
     at: Path<'_>,
     wire: Option<i32>,

@@ -172,8 +172,8 @@ fn tangents_of_jerk_rows_are_on_the_safe_side() {
     }
 }
 
-/// Predictor and corrector against their formulas, through the products they promise: to first order the affine step takes
-/// l·z to 0 and the corrected one to σμ.
+/// Predictor and corrector against their formulas, through the products they promise: to first order the affine step
+/// takes l·z to 0 and the corrected one to σμ.
 #[test]
 fn directions_lead_where_they_say() {
     let state = &mut 8;

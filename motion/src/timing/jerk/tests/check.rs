@@ -1,5 +1,5 @@
-//! What a motion takes of its limits, found in time: positions, velocities, accelerations and jerks of the joints, inverse
-//! dynamics, and poses of the tool. It knows neither grids nor coefficients.
+//! What a motion takes of its limits, found in time: positions, velocities, accelerations and jerks of the joints,
+//! inverse dynamics, and poses of the tool. It knows neither grids nor coefficients.
 
 use nalgebra::Isometry3;
 

@@ -1,9 +1,9 @@
 //! Against a sequence of cone programs solved by Clarabel 0.11.1, with the dynamics by Pinocchio 4.1.0, both in Python.
 //!
-//! UR5e of the test vectors without rotors and friction, a cubic path of six joints over s in [0, 1]. Unknowns are (a, b, c) at
-//! 800 nodes, with c linear between them, 1/√a in the objective by power cones, jerk rows linearised at the solution before;
-//! repeated until the duration changes by less than 1e-5 of itself. Rows at nodes alone, nothing certified between them:
-//! a lower bound but for its own grid, where 400 nodes give 0.91736 s and 0.76169 s.
+//! UR5e of the test vectors without rotors and friction, a cubic path of six joints over s in [0, 1]. Unknowns are (a,
+//! b, c) at 800 nodes, with c linear between them, 1/√a in the objective by power cones, jerk rows linearised at the
+//! solution before; repeated until the duration changes by less than 1e-5 of itself. Rows at nodes alone, nothing
+//! certified between them: a lower bound but for its own grid, where 400 nodes give 0.91736 s and 0.76169 s.
 
 use super::*;
 
@@ -19,7 +19,8 @@ const PATH: [[f64; 4]; 6] = [
 /// 3.14 rad/s, 15 rad/s² and 150 rad/s³ of every joint.
 const DURATION_WITHOUT_TORQUE: f64 = 0.917_186;
 
-/// 3.14 rad/s, 150 rad/s², 600 rad/s³, and half of the peak torques: 75 N m of the first three joints, 14 N m of the others.
+/// 3.14 rad/s, 150 rad/s², 600 rad/s³, and half of the peak torques: 75 N m of the first three joints, 14 N m of the
+/// others.
 const DURATION_WITH_TORQUE: f64 = 0.761_609;
 
 #[allow(clippy::approx_constant, reason = "the limit that the other solver was given")]
