@@ -176,3 +176,15 @@ fn claims_that_are_too_good_are_found() {
         );
     }
 }
+
+/// A blend of a joint move over 0.9 m into a line of 1.6 mm: accelerations of a millisecond within an interval of the
+/// timing that takes ten, once seen by nobody.
+#[test]
+fn spikes_within_an_interval_of_the_timing_are_kept_within_limits() {
+    let robots = robots::all();
+    let trial = programs::of_seed(&robots, 58, programs::FINE);
+    assert_eq!(trial.example.name, "scara");
+    let plan = plan(trial.example, &trial.request).expect("it can be run");
+    let report = recheck(&trial, &plan);
+    assert!(report.holds(), "{report:#?}");
+}
