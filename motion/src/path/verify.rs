@@ -297,7 +297,13 @@ impl<'a> Examiner<'a> {
 
     /// Halves the intervals whose samples are too few to show how an acceleration varies; false where none is.
     fn halve(&self, breaks: &mut Vec<f64>) -> bool {
-        let coarse: Vec<bool> = (0..breaks.len() - 1).map(|interval| self.is_coarse(interval)).collect();
+        let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, a| most.max(a.abs()));
+        let floor = SPLIT_FLOOR * largest(&self.sweep.acceleration);
+        let scales: Vec<f64> = (0..self.robot.joint_count())
+            .map(|joint| largest(self.accelerations(joint)).max(floor))
+            .collect();
+        let intervals = 0..breaks.len() - 1;
+        let coarse: Vec<bool> = intervals.map(|interval| self.is_coarse(interval, &scales)).collect();
         if breaks.len() > SPLIT_MOST || coarse.iter().all(|coarse| !coarse) {
             return false;
         }
@@ -310,31 +316,26 @@ impl<'a> Examiner<'a> {
     }
 
     /// Whether some joint's acceleration bends between the samples of an interval by more than a part of its limit; of
-    /// its largest here, where it has none.
-    fn is_coarse(&self, interval: usize) -> bool {
+    /// its scale here, where it has none.
+    fn is_coarse(&self, interval: usize, scales: &[f64]) -> bool {
         let first = interval * (PARTS + 1);
-        let largest = self
-            .sweep
-            .acceleration
-            .iter()
-            .fold(0.0, |most: f64, a| most.max(a.abs()));
         let stretches = &self.timed.limits.stretches;
         let stretch = &stretches[self
             .timed
             .limits
             .stretch_at(self.places[first + PARTS / 2], Side::After)];
-        (0..self.robot.joint_count()).any(|joint| {
-            let column = self.sweep.column(joint);
-            let all = &self.sweep.acceleration[column..column + self.times.len()];
-            let scale = stretch.joints[joint]
-                .acceleration
-                .unwrap_or_else(|| all.iter().fold(SPLIT_FLOOR * largest, |most, a| most.max(a.abs())));
-            let samples = &all[first..=first + PARTS];
-            let bends = samples
-                .windows(3)
-                .map(|three| (three[2] - 2.0 * three[1] + three[0]).abs());
-            bends.fold(0.0, f64::max) > SPLIT_BEND * scale
+        scales.iter().enumerate().any(|(joint, scale)| {
+            let allowed = SPLIT_BEND * stretch.joints[joint].acceleration.unwrap_or(*scale);
+            let samples = &self.accelerations(joint)[first..=first + PARTS];
+            let mut bends = samples.windows(3).map(|three| three[2] - 2.0 * three[1] + three[0]);
+            bends.any(|bend| bend.abs() > allowed)
         })
+    }
+
+    /// The sampled accelerations of a joint.
+    fn accelerations(&self, joint: usize) -> &[f64] {
+        let column = self.sweep.column(joint);
+        &self.sweep.acceleration[column..column + self.times.len()]
     }
 
     /// Samples the states of some intervals.
