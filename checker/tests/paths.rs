@@ -13,11 +13,12 @@ use std::collections::BTreeMap;
 use programs::Trial;
 use robots::Example;
 use takt_checker::path::report::{FaultKind, PathReport};
-use takt_checker::{Density, recheck_path};
+use takt_checker::recheck_path;
 use takt_motion::budget::Budget;
 use takt_motion::path::outcome::{PathLimit, PathOutcome, PathPlan};
 use takt_motion::path::plan_path;
 use takt_motion::path::request::PathRequest;
+use takt_motion::plan::request::Sampling;
 
 /// Programs of each robot.
 const PROGRAMS: u64 = 130;
@@ -137,7 +138,7 @@ fn limits_lowered_by_a_thousandth_are_found_broken() {
     let mut seen = 0;
     for (mut trial, plan) in plans(&robots, 12, programs::FINE) {
         // A plan that is stretched to whole cycles may keep every limit with more than that to spare.
-        if trial.density == Density::Coarse {
+        if matches!(trial.request.sampling, Sampling::Period(_)) {
             continue;
         }
         let request = &mut trial.request;

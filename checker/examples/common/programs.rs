@@ -45,7 +45,8 @@ pub(crate) fn of_seed(robots: &[Example], seed: u64, fine: usize) -> Trial<'_> {
             .filter(|segment| segment.blend.is_none())
             .count();
         request.sampling = Sampling::Trace((fine * stops + 1).min(SETPOINTS_MAX));
-        if fine >= FINE {
+        // Without jerk limits an acceleration may go there and back within any step.
+        if fine >= FINE && cell.limit_jerk {
             density = Density::Resolving;
         }
     }
