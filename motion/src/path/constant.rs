@@ -4,7 +4,7 @@ use super::chain::{Chain, Course};
 use super::check::check;
 use super::fault::{Fault, infeasible};
 use super::follow::Halt;
-use super::outcome::{ConstantSpeedReport, Location, PathInfeasible, PathInfeasibleReason};
+use super::outcome::{ConstantSpeedReport, Location, PathInfeasible, PathInfeasibleReason, PathLimit};
 use super::plan::{Run, Runs, TimedRun, in_cycles, slower, worst};
 use super::problem::Problem;
 use super::request::{Extent, OnExcess, PathRequest, Shape};
@@ -142,7 +142,7 @@ impl Planner<'_> {
                 limits: &limits,
                 begin,
             };
-            let examined = examine(
+            let mut examined = examine(
                 &self.problem.robot,
                 &self.problem.tcp,
                 timed,
@@ -151,6 +151,10 @@ impl Planner<'_> {
             )?;
             let Some(broken) = worst(&examined) else {
                 (report.asked, report.lowered) = (asked, join(lowered, report.lowered));
+                // whatever comes closest, it is the speed asked for that makes the motion last
+                for ruling in &mut examined.rulings {
+                    (ruling.kind, ruling.joint) = (PathLimit::ConstantSpeed, None);
+                }
                 self.add_report(report, &taught, begin);
                 self.teacher.q = run.end();
                 self.runs.runs.push(TimedRun {

@@ -8,14 +8,17 @@
 //!
 //! and from there to torques by inverse dynamics and to the tool by its own recursion. Of the planner's terms along the
 //! path it uses none. Every interval of the time law is sampled [`PARTS`] times, on both of its ends from within, where
-//! accelerations may jump, and halved until that shows how they vary; between samples every maximum that might be the largest is found by parabolas; where a joint
-//! turns back, its friction is taken on either side.
+//! accelerations may jump, and halved until that shows how they vary; between samples every maximum that might be the
+//! largest is found by parabolas; where a joint turns back, its friction is taken on either side.
+
+mod channels;
+mod state;
 
 use nalgebra::Isometry3;
 
 use super::outcome::PathLimit;
 use crate::budget::{Budget, Stopped};
-use crate::curve::{Curve, CurvePoint, Side};
+use crate::curve::{Curve, Side};
 use crate::dynamics::sweep::Sweep;
 use crate::dynamics::{self, Workspace};
 use crate::kinematics::{self, ToolMotion};
@@ -25,6 +28,8 @@ use crate::timing::law::TimeLaw;
 use crate::timing::limits::{Limits, Stretch};
 use crate::tolerance::REFINE_GAIN;
 use crate::verify::{JointDemand, Point, overrides};
+use channels::{Channels, fill};
+pub(super) use state::State;
 
 /// Samples of an interval of the time law, less one.
 const PARTS: usize = 10;
@@ -101,65 +106,6 @@ pub(super) struct Examined {
     pub(super) override_safe: Option<OverrideSafety>,
 }
 
-/// The state of the motion at one moment.
-#[derive(Debug)]
-pub(super) struct State {
-    pub(super) s: f64,
-    pub(super) position: Vec<f64>,
-    pub(super) velocity: Vec<f64>,
-    pub(super) acceleration: Vec<f64>,
-    pub(super) jerk: Vec<f64>,
-    point: CurvePoint,
-}
-
-impl State {
-    pub(super) fn new(joint_count: usize) -> Self {
-        let zeros = || vec![0.0; joint_count];
-        Self {
-            s: 0.0,
-            position: zeros(),
-            velocity: zeros(),
-            acceleration: zeros(),
-            jerk: zeros(),
-            point: CurvePoint::new(joint_count),
-        }
-    }
-
-    /// At rest.
-    pub(super) fn rest_at(&mut self, position: &[f64]) {
-        self.position.copy_from_slice(position);
-        for rates in [&mut self.velocity, &mut self.acceleration, &mut self.jerk] {
-            rates.fill(0.0);
-        }
-    }
-
-    /// The state at a time since the path began, from one side of a place where derivatives jump.
-    pub(super) fn set(&mut self, curve: &dyn Curve, law: &TimeLaw, time: f64, side: Side) {
-        let at = law.at(time);
-        curve.evaluate(at.position, side, &mut self.point);
-        self.s = at.position;
-        let (rate, acceleration, jerk) = (at.velocity, at.acceleration, at.jerk);
-        let point = &self.point;
-        self.position.copy_from_slice(&point.position);
-        for joint in 0..self.position.len() {
-            let (first, second, third) = (point.first[joint], point.second[joint], point.third[joint]);
-            self.velocity[joint] = first * rate;
-            self.acceleration[joint] = first * acceleration + second * rate * rate;
-            self.jerk[joint] = first * jerk + 3.0 * second * rate * acceleration + third * rate * rate * rate;
-        }
-    }
-}
-
-/// Limits of each joint before those of the tool.
-const JOINT_CHANNELS: [PathLimit; 6] = [
-    PathLimit::Torque,
-    PathLimit::Velocity,
-    PathLimit::Acceleration,
-    PathLimit::Jerk,
-    PathLimit::PositionLower,
-    PathLimit::PositionUpper,
-];
-
 /// Examines one path. `ranges` are the position limits of the joints.
 ///
 /// # Errors
@@ -187,7 +133,7 @@ struct Examiner<'a> {
     robot: &'a Robot,
     tcp: &'a Isometry3<f64>,
     timed: Timed<'a>,
-    ranges: &'a [[Option<f64>; 2]],
+    channels: Channels<'a>,
     sweep: Sweep,
     state: State,
     torque: Vec<f64>,
@@ -205,11 +151,15 @@ struct Examiner<'a> {
 impl<'a> Examiner<'a> {
     fn new(robot: &'a Robot, tcp: &'a Isometry3<f64>, timed: Timed<'a>, ranges: &'a [[Option<f64>; 2]]) -> Self {
         let count = robot.joint_count();
+        let channels = Channels {
+            joint_count: count,
+            ranges,
+        };
         Self {
             robot,
             tcp,
             timed,
-            ranges,
+            channels,
             sweep: Sweep::default(),
             state: State::new(count),
             torque: vec![0.0; count],
@@ -224,57 +174,8 @@ impl<'a> Examiner<'a> {
                 torque: None,
                 override_safe: None,
             },
-            known: vec![None; count * JOINT_CHANNELS.len() + 2],
+            known: vec![None; channels.count()],
             worst: None,
-        }
-    }
-
-    fn channels(&self) -> usize {
-        self.known.len()
-    }
-
-    /// What a channel is of.
-    fn channel(&self, channel: usize) -> (PathLimit, Option<usize>) {
-        let joints = self.robot.joint_count() * JOINT_CHANNELS.len();
-        match channel.checked_sub(joints) {
-            None => (
-                JOINT_CHANNELS[channel % JOINT_CHANNELS.len()],
-                Some(channel / JOINT_CHANNELS.len()),
-            ),
-            Some(0) => (PathLimit::ToolVelocity, None),
-            Some(_) => (PathLimit::ToolAcceleration, None),
-        }
-    }
-
-    /// The limit of a channel on a stretch; `None` where there is none.
-    fn limit(&self, channel: usize, stretch: &Stretch) -> Option<f64> {
-        let (kind, joint) = self.channel(channel);
-        let of_joint = |joint: usize| &stretch.joints[joint];
-        match (kind, joint) {
-            (PathLimit::Torque, Some(joint)) => of_joint(joint).torque,
-            (PathLimit::Velocity, Some(joint)) => of_joint(joint).velocity,
-            (PathLimit::Acceleration, Some(joint)) => of_joint(joint).acceleration,
-            (PathLimit::Jerk, Some(joint)) => of_joint(joint).jerk,
-            (PathLimit::PositionLower, Some(joint)) => self.ranges[joint][0],
-            (PathLimit::PositionUpper, Some(joint)) => self.ranges[joint][1],
-            (PathLimit::ToolVelocity, _) => stretch.tool_velocity,
-            _ => stretch.tool_acceleration,
-        }
-    }
-
-    /// How much of a limit a value uses: above 1 it is broken. Of a range, counted from its other end.
-    fn ratio(&self, channel: usize, value: f64, limit: f64) -> f64 {
-        let (kind, joint) = self.channel(channel);
-        let range = || {
-            let [lower, upper] = joint.map_or([None; 2], |joint| self.ranges[joint]);
-            lower
-                .zip(upper)
-                .map_or(1.0, |(lower, upper)| (upper - lower).max(f64::MIN_POSITIVE))
-        };
-        match kind {
-            PathLimit::PositionLower => 1.0 + (limit - value) / range(),
-            PathLimit::PositionUpper => 1.0 + (value - limit) / range(),
-            _ => value.abs() / limit,
         }
     }
 
@@ -343,7 +244,7 @@ impl<'a> Examiner<'a> {
         let count = self.robot.joint_count();
         let samples = (breaks.len() - 1) * (PARTS + 1);
         let bounds_tool = self.timed.limits.bound_the_tool();
-        let channels = self.channels();
+        let channels = self.channels.count();
         self.sweep.reset(count, samples);
         self.values.clear();
         self.values.resize(samples * channels, 0.0);
@@ -385,7 +286,7 @@ impl<'a> Examiner<'a> {
 
     /// Completes the rigid bodies' torques by the drives', and keeps what slower overrides need.
     fn add_torques(&mut self, samples: usize) {
-        let channels = self.channels();
+        let channels = self.channels.count();
         let limits = self.timed.limits;
         let mut points = Vec::new();
         for (joint, drive) in self.robot.drives().iter().enumerate() {
@@ -403,7 +304,7 @@ impl<'a> Examiner<'a> {
                     gravity,
                 };
                 let torque = point.torque(1.0);
-                self.values[sample * channels + joint * JOINT_CHANNELS.len()] = torque;
+                self.values[sample * channels + Channels::torque(joint)] = torque;
                 let demand = &mut self.examined.demands[joint];
                 if torque.abs() > demand.peak_torque.abs() {
                     (demand.peak_torque, demand.time) = (torque, point.time);
@@ -413,7 +314,7 @@ impl<'a> Examiner<'a> {
                 let before = sample % (PARTS + 1) != 0;
                 if before {
                     let step = self.times[sample] - self.times[sample - 1];
-                    let last = self.values[(sample - 1) * channels + joint * JOINT_CHANNELS.len()];
+                    let last = self.values[(sample - 1) * channels + Channels::torque(joint)];
                     // Simpson's rule would need the middle; at eleven samples the trapezoid is as true as it need be
                     demand.torque_squared += 0.5 * step * (torque * torque + last * last);
                 }
@@ -443,12 +344,12 @@ impl<'a> Examiner<'a> {
         let limits = self.timed.limits;
         let stretch = &limits.stretches[limits.stretch_at(middle, side)];
         let mut ruling: Option<(f64, usize)> = None;
-        for channel in 0..self.channels() {
-            let Some(limit) = self.limit(channel, stretch) else {
+        for channel in 0..self.channels.count() {
+            let Some(limit) = self.channels.limit(channel, stretch) else {
                 continue;
             };
-            let value = |part: usize| self.values[(first + part) * self.channels() + channel];
-            let ratios: [f64; PARTS + 1] = std::array::from_fn(|part| self.ratio(channel, value(part), limit));
+            let value = |part: usize| self.values[(first + part) * self.channels.count() + channel];
+            let ratios: [f64; PARTS + 1] = std::array::from_fn(|part| self.channels.ratio(channel, value(part), limit));
             let top = (0..=PARTS).fold(0, |top, part| if ratios[part] > ratios[top] { part } else { top });
             let known = self.known[channel].map_or(f64::NEG_INFINITY, |known| self.examined.tightest[known].ratio);
             let found = (value(top), self.times[first + top], self.places[first + top]);
@@ -457,7 +358,7 @@ impl<'a> Examiner<'a> {
                 self.refine(channel, limit, first, top);
             }
             let ranged = matches!(
-                self.channel(channel).0,
+                self.channels.of(channel).0,
                 PathLimit::PositionLower | PathLimit::PositionUpper
             );
             if !ranged && ruling.is_none_or(|(ratio, _)| ratios[top] > ratio) {
@@ -468,7 +369,7 @@ impl<'a> Examiner<'a> {
             self.turning(joint, first, stretch);
         }
         if let Some((_, channel)) = ruling {
-            let (kind, joint) = self.channel(channel);
+            let (kind, joint) = self.channels.of(channel);
             self.examined.rulings.push(Ruling {
                 begin: self.timed.begin + ends[0],
                 end: self.timed.begin + ends[1],
@@ -481,8 +382,8 @@ impl<'a> Examiner<'a> {
 
     /// Keeps a value where it is the tightest of its channel.
     fn keep(&mut self, channel: usize, limit: f64, (value, time, s): (f64, f64, f64)) {
-        let ratio = self.ratio(channel, value, limit);
-        let (kind, joint) = self.channel(channel);
+        let ratio = self.channels.ratio(channel, value, limit);
+        let (kind, joint) = self.channels.of(channel);
         let tightest = Tightest {
             kind,
             joint,
@@ -515,8 +416,8 @@ impl<'a> Examiner<'a> {
         let middle = first + top.clamp(1, PARTS - 1);
         let mut times = [middle - 1, middle, middle + 1].map(|sample| self.times[sample]);
         let mut ratios = [middle - 1, middle, middle + 1].map(|sample| {
-            let value = self.values[sample * self.channels() + channel];
-            self.ratio(channel, value, limit)
+            let value = self.values[sample * self.channels.count() + channel];
+            self.channels.ratio(channel, value, limit)
         });
         for _ in 0..ROUNDS {
             let Some(time) = parabola_top(times, ratios) else {
@@ -525,7 +426,7 @@ impl<'a> Examiner<'a> {
             let value = self.value_at(channel, time);
             let s = self.state.s;
             self.keep(channel, limit, (value, time, s));
-            let ratio = self.ratio(channel, value, limit);
+            let ratio = self.channels.ratio(channel, value, limit);
             if time < times[1] {
                 (times, ratios) = ([times[0], time, times[1]], [ratios[0], ratio, ratios[1]]);
             } else {
@@ -537,7 +438,7 @@ impl<'a> Examiner<'a> {
     /// The value of one channel at one time.
     fn value_at(&mut self, channel: usize, time: f64) -> f64 {
         self.state.set(self.timed.curve, self.timed.law, time, Side::After);
-        let (kind, joint) = self.channel(channel);
+        let (kind, joint) = self.channels.of(channel);
         let state = &self.state;
         match (kind, joint) {
             (PathLimit::Torque, Some(joint)) => {
@@ -577,7 +478,7 @@ impl<'a> Examiner<'a> {
             }
             let part = before / (before - after);
             let time = self.times[sample] + part * (self.times[sample + 1] - self.times[sample]);
-            let channel = joint * JOINT_CHANNELS.len();
+            let channel = Channels::torque(joint);
             let torque = self.value_at(channel, time) - drive.coulomb(self.state.velocity[joint]);
             for direction in [1.0, -1.0] {
                 let found = (torque + drive.coulomb(direction), time, self.state.s);
@@ -600,8 +501,8 @@ impl<'a> Examiner<'a> {
             dynamics::gravity_torque(self.robot, &mut self.workspace, &self.state.position, &mut self.torque);
             let stretch = &limits.stretches[limits.stretch_at(s, side)];
             for joint in 0..self.robot.joint_count() {
-                let channel = joint * JOINT_CHANNELS.len();
-                if let Some(limit) = self.limit(channel, stretch) {
+                let channel = Channels::torque(joint);
+                if let Some(limit) = self.channels.limit(channel, stretch) {
                     self.keep(channel, limit, (self.torque[joint], time, s));
                 }
             }
@@ -632,7 +533,7 @@ impl<'a> Examiner<'a> {
     /// A torque by how it scales with speed.
     fn split(&mut self, tightest: &Tightest) -> Option<Point> {
         let joint = tightest.joint?;
-        let channel = joint * JOINT_CHANNELS.len();
+        let channel = Channels::torque(joint);
         let total = self.value_at(channel, tightest.time - self.timed.begin);
         let mut gravity = vec![0.0; self.torque.len()];
         dynamics::gravity_torque(self.robot, &mut self.workspace, &self.state.position, &mut gravity);
@@ -672,24 +573,6 @@ fn moment(ends: &[f64], part: usize) -> (f64, Side) {
         0 => (ends[0] + INSIDE * length, Side::After),
         PARTS => (ends[1] - INSIDE * length, Side::Before),
         _ => (ends[0] + length * part as f64 / PARTS as f64, Side::After),
-    }
-}
-
-/// Writes the values of every limit but the torques'.
-fn fill(state: &State, tool: Option<ToolMotion>, values: &mut [f64]) {
-    let (joints, of_tool) = values.split_at_mut(values.len() - 2);
-    for (joint, values) in joints.chunks_exact_mut(JOINT_CHANNELS.len()).enumerate() {
-        let position = state.position[joint];
-        values[1..].copy_from_slice(&[
-            state.velocity[joint],
-            state.acceleration[joint],
-            state.jerk[joint],
-            position,
-            position,
-        ]);
-    }
-    if let Some(tool) = tool {
-        of_tool.copy_from_slice(&[tool.velocity.norm(), tool.acceleration.norm()]);
     }
 }
 
