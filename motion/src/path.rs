@@ -1,16 +1,16 @@
 //! Robot programs: joint moves, lines, arcs and splines, blended into paths q(s) that are smooth to the third derivative.
 //!
-//! A program becomes [`Stroke`]s, paths without a stop within them; between two of them the arm stands still. A stroke is
-//! made of [`track`]s, one a segment, each at its own pace in "normalised time": s runs so that the joint that is nearest
+//! A program becomes strokes, paths without a stop within them; between two of them the arm stands still. A stroke is
+//! made of tracks, one a segment, each at its own pace in "normalised time": s runs so that the joint that is nearest
 //! to its speed limit is, on average over the segment, just at it. Where two segments are blended they overlap in s, and
 //!
 //! ```text
-//! q(s) = q₁(u₁(x))·(1 − w(x)) + q₂(u₂(x))·w(x)        x(s) from 0 to 1: [`passage`];   w: [`weight`]
+//! q(s) = q₁(u₁(x))·(1 − w(x)) + q₂(u₂(x))·w(x)        x(s) from 0 to 1: `passage.rs`;   w: `weight.rs`
 //! ```
 //!
 //! in joint space, or the same in tool space before inverse kinematics: positions p as q here, orientations as
 //! R₁·exp(w·log(R₁ᵀR₂)) (JP2016-055404, paragraphs 0060 to 0090, 0169). Everything is evaluated where it is asked for, with
-//! its derivatives, in Taylor arithmetic ([`crate::jet`]): nothing is interpolated between samples.
+//! its derivatives, in Taylor arithmetic (`jet.rs`): nothing is interpolated between samples.
 
 mod answer;
 mod arm;

@@ -157,6 +157,20 @@ fn bounds(
     let parent = format!("segments[{index}]");
     check_tool(&format!("{parent}.limits"), segment.tool_limits, wrong);
     let own = joint_limits(robot, &parent, &segment.limits, request, wrong);
+    for (entry, limit) in segment.limits.iter().enumerate() {
+        for (field, position) in [
+            ("position_lower", limit.position_lower),
+            ("position_upper", limit.position_upper),
+        ] {
+            if position.is_some() {
+                let path = format!("{parent}.limits.joints[{entry}].{field}");
+                wrong.push(Invalid::new(
+                    path,
+                    "position limits hold for the whole path: give them in its `limits`",
+                ));
+            }
+        }
+    }
     // a torque of the request stands for the model's times the utilization; without one the segment has nothing to add
     let own_torque = |name: &str| {
         let mut limits = segment.limits.iter();

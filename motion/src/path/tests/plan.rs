@@ -171,6 +171,7 @@ fn wrong_numbers_are_named() {
     segments[1].tool_limits.velocity = Some(f64::NAN);
     segments[2].limits = vec![LimitOverride {
         joint: "elbow".to_owned(),
+        position_upper: Some(1.0),
         ..LimitOverride::default()
     }];
     let program = PathRequest {
@@ -185,6 +186,7 @@ fn wrong_numbers_are_named() {
         "speed_scale",
         "segments[1].limits.tcp_velocity_m_per_s",
         "segments[2].limits.joints[0].joint",
+        "segments[2].limits.joints[0].position_upper",
     ] {
         assert!(paths.contains(&path), "{paths:?}");
     }
