@@ -6,10 +6,12 @@
 //!
 //! Five joint segments of the UR5e from `tests/vectors/robots`, blended, with torque and speed limits; then with
 //! accelerations, tool speed and jerk limited too. A plan is all of it: the path, its timing certified between samples,
-//! and the verification by other means.
+//! and the verification by other means. Last, how long a plan that nobody waits for any more can go on: the longest time
+//! between two looks at the budget.
 
 #![allow(clippy::print_stdout, reason = "a program that prints a table")]
 
+use std::cell::Cell;
 use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
@@ -42,7 +44,24 @@ fn main() {
             "plan_path/{name} {median:.2} ms, fastest {fastest:.2} ms, {} plans",
             times.len()
         );
+        let longest = (0..PROGRAMS as u64)
+            .map(|seed| longest_wait(&robot, &program(&robot, seed, limit)))
+            .fold(0.0, f64::max);
+        println!("stop/{name} at most {longest:.2} ms");
     }
+}
+
+/// The longest time between two looks at the budget, ms.
+fn longest_wait(robot: &Robot, request: &PathRequest) -> f64 {
+    let (last, longest) = (Cell::new(Instant::now()), Cell::new(0.0_f64));
+    let look = || {
+        longest.set(longest.get().max(last.get().elapsed().as_secs_f64()));
+        last.set(Instant::now());
+        false
+    };
+    plan_path(robot, request, &Budget::until(&look)).ok();
+    look();
+    longest.get() * 1e3
 }
 
 /// The fastest of a few tries, ms; `None` where there is no plan.

@@ -1,6 +1,7 @@
 //! `takt plan batch`.
 
 use std::{
+    collections::BTreeMap,
     fs::File,
     io::{BufRead, BufReader},
     sync::{Arc, Mutex, PoisonError},
@@ -52,6 +53,9 @@ struct Tally {
     failed: u64,
 }
 
+/// What is wrong with lines that could not be read, by the place of their request.
+type Unreadable = Arc<Mutex<BTreeMap<u32, String>>>;
+
 type Lines = Box<dyn Iterator<Item = std::io::Result<String>> + Send>;
 
 pub(super) async fn run(args: BatchArgs, client: &Client, io: &mut Io) -> Result<u8, Failure> {
@@ -68,66 +72,54 @@ pub(super) async fn run(args: BatchArgs, client: &Client, io: &mut Io) -> Result
         let file = File::open(name).map_err(|error| Failure::usage(format!("cannot read {name}: {error}")))?;
         Box::new(BufReader::new(file).lines())
     };
-    let unreadable = Arc::<Mutex<Vec<String>>>::default();
+    let unreadable = Unreadable::default();
     let requests = requests(lines, args.ordered, Arc::clone(&unreadable));
     let mut answers = client.plan_batch(&args.robot_id, stream::iter(requests)).await?;
     let mut tally = Tally::default();
-    while let Some(answer) = answers.next().await? {
+    while let Some(mut answer) = answers.next().await? {
+        say_what_was_unreadable(&mut answer, &unreadable);
         tally.count(&answer);
         let text = serde_json::to_string(&answer)
             .map_err(|error| Failure::service(format!("the answer cannot be written as JSON: {error}")))?;
         io.print(&(text + "\n"))?;
-        tell(&unreadable, &mut tally, io)?;
         if tally.total().is_multiple_of(PROGRESS) {
             io.remark(&format!("{} answered", tally.total()))?;
         }
     }
-    tell(&unreadable, &mut tally, io)?;
     io.remark(&tally.summary())?;
     Ok(tally.code())
 }
 
-/// The requests of the lines; what cannot be read is noted and left out.
-fn requests(
-    lines: Lines,
-    ordered: bool,
-    unreadable: Arc<Mutex<Vec<String>>>,
-) -> impl Iterator<Item = v1::PlanBatchRequest> + Send {
-    let lines = (1_u64..).zip(lines);
-    lines.filter_map(move |(number, line)| {
-        let read = line
-            .map_err(|error| error.to_string())
-            .and_then(|line| match line.trim() {
-                "" => Ok(None),
-                line => serde_json::from_str::<v1::PlanBatchRequest>(line)
-                    .map(Some)
-                    .map_err(|error| error.to_string()),
-            });
-        match read {
-            Ok(request) => request.map(|mut request| {
-                if request.id.is_empty() {
-                    request.id = number.to_string();
-                }
-                request.ordered = Some(ordered);
-                request
-            }),
-            Err(why) => {
-                let mut list = unreadable.lock().unwrap_or_else(PoisonError::into_inner);
-                list.push(format!("line {number}: {why}"));
-                None
-            }
+/// The requests of the lines. A line that cannot be read is noted, and sent as a request for nothing: its answer then
+/// has its place.
+fn requests(lines: Lines, ordered: bool, unreadable: Unreadable) -> impl Iterator<Item = v1::PlanBatchRequest> + Send {
+    let lines = (1_u64..)
+        .zip(lines)
+        .filter(|(_, line)| !matches!(line, Ok(line) if line.trim().is_empty()));
+    (0_u32..).zip(lines).map(move |(place, (number, line))| {
+        let read = line.map_err(|error| error.to_string()).and_then(|line| {
+            serde_json::from_str::<v1::PlanBatchRequest>(line.trim()).map_err(|error| error.to_string())
+        });
+        let mut request = read.unwrap_or_else(|why| {
+            let mut list = unreadable.lock().unwrap_or_else(PoisonError::into_inner);
+            list.insert(place, format!("line {number} cannot be read: {why}"));
+            v1::PlanBatchRequest::default()
+        });
+        if request.id.is_empty() {
+            request.id = number.to_string();
         }
+        request.ordered = Some(ordered);
+        request
     })
 }
 
-/// Tells which lines could not be read.
-fn tell(unreadable: &Mutex<Vec<String>>, tally: &mut Tally, io: &mut Io) -> Result<(), Failure> {
-    let lines = std::mem::take(&mut *unreadable.lock().unwrap_or_else(PoisonError::into_inner));
-    for line in lines {
-        tally.wrong += 1;
-        io.remark(&line)?;
+/// The answer to a request for nothing says what was wrong with its line.
+fn say_what_was_unreadable(answer: &mut v1::PlanBatchResponse, unreadable: &Unreadable) {
+    let mut list = unreadable.lock().unwrap_or_else(PoisonError::into_inner);
+    if let (Some(why), Some(Answer::Error(error))) = (list.remove(&answer.index), &mut answer.answer) {
+        error.message = why;
+        error.violations.clear();
     }
-    Ok(())
 }
 
 impl Tally {

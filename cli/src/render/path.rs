@@ -58,7 +58,12 @@ pub(crate) fn facts(plan: &v1::PathPlan) -> Vec<(&'static str, String, Tone)> {
             Tone::Plain,
         ),
     ];
-    if let Some(cost) = plan.limit_costs.first() {
+    // standing still is no limit
+    let mut limits = plan
+        .limit_costs
+        .iter()
+        .filter(|cost| cost.kind() != v1::PathLimitKind::Rest);
+    if let Some(cost) = limits.next() {
         let part = 100.0 * cost.time_s / plan.duration_s;
         let text = format!(
             "{}: {:.3} s, {part:.0} % of the time",
@@ -127,22 +132,15 @@ fn place(location: Option<&v1::PathLocation>) -> String {
 }
 
 fn segments(plan: &v1::PathPlan) -> Table {
-    let mut table =
-        Table::new(["segment", "from [s]", "to [s]", "takes [s]", "tool [m]", "mean [m/s]"]).numbers_from(1);
+    let mut table = Table::new(["segment", "from [s]", "to [s]", "takes [s]", "taught [m]"]).numbers_from(1);
     for (index, segment) in plan.segments.iter().enumerate() {
         let takes = segment.end_s - segment.begin_s;
-        let mean = if takes > 0.0 {
-            segment.tool_length_m / takes
-        } else {
-            0.0
-        };
         table.row([
             index.to_string(),
             format!("{:.3}", segment.begin_s),
             format!("{:.3}", segment.end_s),
             format!("{takes:.3}"),
             format!("{:.4}", segment.tool_length_m),
-            format!("{mean:.4}"),
         ]);
     }
     table

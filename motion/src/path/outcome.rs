@@ -63,7 +63,7 @@ pub struct SegmentReport {
     pub begin: f64,
     /// s; before the dwell.
     pub end: f64,
-    /// Length of the tool's way, m.
+    /// Length of the segment as taught, m: blends at its ends cut it short.
     pub tool_length: f64,
 }
 

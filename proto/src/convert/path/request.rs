@@ -182,7 +182,20 @@ impl Reader<'_> {
         nowhere()
     }
 
+    /// A point where the tool stands: of a pose, its orientation is said too, or it would turn to that of the frame
+    /// without a word.
     fn target(self, wire: v1::Target, at: Path<'_>, findings: &mut Findings) -> Target {
+        if wire.pose.as_ref().is_some_and(|pose| pose.orientation.is_empty()) {
+            findings.push(
+                at.field("pose").field("orientation"),
+                "must be given, x y z w: the tool would turn to it",
+            );
+        }
+        self.place(wire, at, findings)
+    }
+
+    /// A point that is passed, whatever the orientation there.
+    fn place(self, wire: v1::Target, at: Path<'_>, findings: &mut Findings) -> Target {
         let frame = self.frame(wire.frame, at.field("frame"), findings);
         match (&wire.pose, wire.position.is_empty()) {
             (Some(pose), true) => Target::Pose {
@@ -232,7 +245,7 @@ impl Reader<'_> {
         }
         let frame = self.frame(wire.frame.take(), at.field("frame"), findings);
         let second = wire.second_via.take();
-        let second = second.map(|point| self.target(point, at.field("second_via"), findings));
+        let second = second.map(|point| self.place(point, at.field("second_via"), findings));
         let circle = if let Some(via) = wire.via.take() {
             for (name, is_given) in [
                 ("normal", normal.is_some()),
@@ -244,7 +257,7 @@ impl Reader<'_> {
                 }
             }
             Circle::Via {
-                point: self.target(via, at.field("via"), findings),
+                point: self.place(via, at.field("via"), findings),
                 second,
             }
         } else {
