@@ -194,7 +194,7 @@ fn the_example_programs_can_be_run() {
     for name in PROGRAMS {
         let said = call(&server, &["plan", "path", "ur5e", &program(name)], "");
         assert_eq!(said.code, exit::OK, "{name}: {}{}", said.output, said.errors);
-        for part in ["duration", "segments", "tool [m]", "margin", "ur5e revision"] {
+        for part in ["duration", "segments", "taught [m]", "margin", "ur5e revision"] {
             assert!(
                 said.output.contains(part),
                 "{name}: {part:?} is not in\n{}",
@@ -340,8 +340,13 @@ fn a_batch_is_answered_line_by_line() {
             "",
         );
         assert_eq!(said.code, exit::USAGE, "{}", said.errors);
-        assert_eq!(said.output.lines().count(), 4);
-        assert!(said.errors.contains("line 4: "), "{}", said.errors);
+        assert_eq!(said.output.lines().count(), 5);
+        let unread = said
+            .output
+            .lines()
+            .find(|answer| answer.contains("line 4 cannot be read"));
+        let unread: serde_json::Value = serde_json::from_str(unread.unwrap()).unwrap();
+        assert_eq!(unread["index"], 3);
         assert!(
             said.errors.ends_with("5 requests: 3 plans, 2 wrong\n"),
             "{}",
