@@ -199,6 +199,19 @@ fn segments() -> Vec<Row> {
         ),
         target("without a place", |t| t.pose = None, &["segments[1].line.target"]),
         target(
+            "pose without orientation",
+            |t| {
+                *t = Target {
+                    pose: Some(Pose {
+                        orientation: Vec::new(),
+                        ..pose()
+                    }),
+                    ..Default::default()
+                };
+            },
+            &["segments[1].line.target.pose.orientation"],
+        ),
+        target(
             "with two places",
             |t| t.position = vec![0.0; 6],
             &["segments[1].line.target"],
