@@ -92,7 +92,7 @@ impl From<Error> for Failure {
                 Some(_) => failure,
                 None => failure.hint("see the current revision with: takt robot show ROBOT_ID"),
             },
-            (ErrorKind::Deadline, _) => failure.hint("give it more time with --timeout, as in --timeout 60s"),
+            (ErrorKind::Deadline, _) => failure.hint("give it more time with --timeout, as in --timeout 60s; the service has a limit of its own, `takt serve --deadline`"),
             (_, Code::Overloaded) => failure.hint("the service is busy; try again in a moment"),
             (_, Code::TooLarge) => failure.hint("ask for fewer samples, or send less at once"),
             _ => failure,

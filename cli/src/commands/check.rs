@@ -40,7 +40,7 @@ pub(crate) struct CheckArgs {
     /// Part of each peak torque that may be used, above 0 up to 1.
     #[arg(long, value_name = "PART")]
     utilization: Option<f64>,
-    /// Tightens a limit for this check, as in elbow.velocity=1.5 (SI units); may be given several times.
+    /// Tightens a limit for this check, as in elbow_joint.velocity=1.5 (SI units); may be given several times.
     #[arg(long, value_name = "JOINT.LIMIT=VALUE", value_parser = limit)]
     limit: Vec<(String, String, f64)>,
     /// Time from one start of this trajectory to the next, for the RMS torque, as in 3s.

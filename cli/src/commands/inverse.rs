@@ -21,7 +21,7 @@ use crate::{
 Examples:
   takt ik ur5e --pose 0.4,0.2,0.3 --rpy 180deg,0,0                     pointing down
   takt ik ur5e --pose 0.4,0.2,0.3,0,1,0,0                              position and quaternion x y z w
-  takt ik ur5e --pose 0.1,0,0 --frame table --reference 0,-90deg,90deg,0,0,0 --degrees
+  takt ik ur5e --pose 0.4,0.1,0.3 --reference 0,-90deg,90deg,0,0,0 --degrees
   takt ik ur5e --pose … --all-turns --json
 
 Exit code 3: the pose is out of reach, or only with a joint outside its range.")]

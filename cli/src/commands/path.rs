@@ -57,7 +57,7 @@ pub(crate) struct PathArgs {
     /// Part of each speed that may be used, above 0 up to 1.
     #[arg(long, value_name = "PART")]
     speed_scale: Option<f64>,
-    /// Tightens a limit for the whole path, as in elbow.velocity=1.5 (SI units); may be given several times.
+    /// Tightens a limit for the whole path, as in elbow_joint.velocity=1.5 (SI units); may be given several times.
     #[arg(long, value_name = "JOINT.LIMIT=VALUE", value_parser = limit)]
     limit: Vec<(String, String, f64)>,
     #[command(flatten)]

@@ -50,9 +50,9 @@ pub(crate) fn facts(plan: &v1::PathPlan) -> Vec<(&'static str, String, Tone)> {
         (
             "path",
             format!(
-                "{} segments, {} blends, {way:.3} m of the tool, continuous to derivative {}",
-                plan.segments.len(),
-                plan.blends.len(),
+                "{}, {}, {way:.3} m of the tool as taught, its shape continuous to derivative {}",
+                counted(plan.segments.len(), "segment"),
+                counted(plan.blends.len(), "blend"),
                 plan.continuity
             ),
             Tone::Plain,
@@ -121,6 +121,11 @@ pub(crate) fn limit(kind: PathLimitKind, joint: &str) -> String {
         "" => what.to_owned(),
         joint => format!("{what} of {joint}"),
     }
+}
+
+/// A number of things, one or several.
+fn counted(count: usize, thing: &str) -> String {
+    format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
 }
 
 /// Segments as programs count them in messages, from 0.
@@ -258,7 +263,7 @@ mod tests {
         );
         for part in [
             "duration    1.000 s",
-            "2 segments, 1 blends, 0.500 m of the tool, continuous to derivative 3",
+            "2 segments, 1 blend, 0.500 m of the tool as taught, its shape continuous to derivative 3",
             "limited by  torque of turn: 0.600 s, 60 % of the time",
             "speed of the tool",
             "1 at 25.0 %",
