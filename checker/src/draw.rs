@@ -99,6 +99,7 @@ pub fn arm(draw: &mut Draw, count: usize) -> RobotSpec {
         payload: body(draw),
         tcp: Isometry3::identity(),
         frames: Vec::new(),
+        uncertainty: None,
     }
 }
 
@@ -118,5 +119,6 @@ fn friction(draw: &mut Draw, size: f64) -> Friction {
         viscous: draw.between(0.0, size),
         coulomb_positive: draw.between(0.0, size),
         coulomb_negative: draw.between(0.0, size),
+        ..Friction::default()
     }
 }

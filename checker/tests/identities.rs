@@ -37,6 +37,7 @@ fn arm(joints: Vec<JointSpec>) -> RobotSpec {
         payload: Inertial::zero(),
         tcp: Isometry3::identity(),
         frames: Vec::new(),
+        uncertainty: None,
     }
 }
 
@@ -279,11 +280,13 @@ fn drive_adds_rotor_and_friction_at_the_joint() {
             viscous: 1e-3,
             coulomb_positive: 0.4,
             coulomb_negative: 0.3,
+            ..Friction::default()
         },
         joint_friction: Friction {
             viscous: 0.7,
             coulomb_positive: 1.1,
             coulomb_negative: 1.3,
+            ..Friction::default()
         },
         ..Drive::default()
     };

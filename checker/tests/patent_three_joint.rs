@@ -306,6 +306,7 @@ impl Parameters {
             payload: Inertial::zero(),
             tcp: Isometry3::identity(),
             frames: Vec::new(),
+            uncertainty: None,
         }
     }
 }

@@ -34,6 +34,7 @@ fn two_lifts() -> RobotSpec {
         viscous: 6.0,
         coulomb_positive: 5.0,
         coulomb_negative: 3.0,
+        ..Friction::default()
     };
     let lower = Drive {
         peak_torque: Some(200.0),
@@ -51,6 +52,7 @@ fn two_lifts() -> RobotSpec {
         payload: Inertial::zero(),
         tcp: Isometry3::identity(),
         frames: Vec::new(),
+        uncertainty: None,
     }
 }
 

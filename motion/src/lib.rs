@@ -27,6 +27,7 @@
 
 pub mod budget;
 mod curve;
+pub mod drive;
 pub mod dynamics;
 pub mod error;
 mod jet;

@@ -80,6 +80,7 @@ pub(crate) fn random_arm(count: usize, seed: u64) -> RobotSpec {
                 viscous: 1e-3,
                 coulomb_positive: 0.02,
                 coulomb_negative: 0.03,
+                ..Friction::default()
             };
             joint
         })
@@ -143,5 +144,6 @@ fn spec(joints: Vec<JointSpec>) -> RobotSpec {
         payload: Inertial::zero(),
         tcp: Isometry3::identity(),
         frames: Vec::new(),
+        uncertainty: None,
     }
 }

@@ -27,6 +27,9 @@ const FRICTION: Friction = Friction {
     viscous: 6.0,
     coulomb_positive: 5.0,
     coulomb_negative: 3.0,
+    load_coulomb: 0.0,
+    quadratic: 0.0,
+    presliding_stiffness: None,
 };
 
 /// How a segment is run through.
@@ -400,6 +403,7 @@ fn spec() -> RobotSpec {
         payload: Inertial::zero(),
         tcp: Isometry3::identity(),
         frames: Vec::new(),
+        uncertainty: None,
     }
 }
 

@@ -53,6 +53,7 @@ impl Description {
             payload: self.payload.unwrap_or(Inertial::zero()),
             tcp: self.tcp.unwrap_or(Isometry3::identity()),
             frames: self.frames.clone(),
+            uncertainty: None,
         });
         let (spec, warnings) = findings.finish(spec)?;
         Ok(Resolved { spec, warnings })

@@ -20,6 +20,8 @@ pub struct RobotSpec {
     pub tcp: Isometry3<f64>,
     /// Named frames, in base-link axes.
     pub frames: Vec<(String, Isometry3<f64>)>,
+    /// How well the fitted parameters are known; `None`: taken as exact.
+    pub uncertainty: Option<Uncertainty>,
 }
 
 /// One moving joint and the link that moves with it.
@@ -116,6 +118,70 @@ pub struct Friction {
     pub coulomb_positive: f64,
     /// Magnitude of the Coulomb torque while the joint moves in its negative direction.
     pub coulomb_negative: f64,
+    /// Coulomb torque that the load adds, over the magnitude of the joint's gravity torque: a number, the same on either side.
+    pub load_coulomb: f64,
+    /// Torque over speed squared on that side: q·v·|v|.
+    pub quadratic: f64,
+    /// Torque over deflection on that side before the contact slides (Dahl's σ₀); `None`: it slides at once.
+    pub presliding_stiffness: Option<f64>,
+}
+
+/// How well the parameters of an arm are known, as a fit to recorded motion left them.
+///
+/// With φ the derivatives of a joint's torque by the parameters (its row of the regressor) and Σ their covariance, the
+/// standard deviation of the torque that the model states is √(φᵀ·Σ·φ); what the model cannot say comes on top, as `residuals` has it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Uncertainty {
+    /// What was fitted, in the order of the covariance's rows.
+    pub parameters: Vec<Parameter>,
+    /// Covariance of the parameters: its lower triangle row by row, in the product of their units.
+    pub covariance: Vec<f64>,
+    /// What is left between model and measurement, one entry a joint.
+    pub residuals: Vec<Residual>,
+}
+
+/// One fitted parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Parameter {
+    /// Index of the joint, whose link or drive it is of.
+    pub joint: usize,
+    /// What it is.
+    pub kind: ParameterKind,
+}
+
+/// What a fitted parameter is: the torque is linear in each. Bodies are those that move with the joint, payload not
+/// included, seen from the joint's frame; drives are seen from the joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum ParameterKind {
+    /// kg.
+    Mass,
+    /// Mass times a coordinate of the centre of mass (0: x, 1: y, 2: z), kg m.
+    FirstMoment(usize),
+    /// Entry of the inertia tensor about the frame's ORIGIN (0 to 5: xx yy zz xy xz yz), kg m².
+    Inertia(usize),
+    /// Reflected rotor inertia, kg m² or kg.
+    Armature,
+    /// Torque over speed.
+    Viscous,
+    /// Coulomb torque while the joint moves in its positive direction.
+    CoulombPositive,
+    /// Coulomb torque while the joint moves in its negative direction.
+    CoulombNegative,
+    /// Coulomb torque over the magnitude of the gravity torque.
+    LoadCoulomb,
+    /// Torque over speed squared.
+    Quadratic,
+}
+
+/// The part of a joint's torque that the model does not say.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Residual {
+    /// Standard deviation, N m or N.
+    pub deviation: f64,
+    /// Time over which it stays alike, s: a motion of duration T draws it T/τ times.
+    pub correlation_time: f64,
+    /// Degrees of freedom of the Student distribution that has its tails.
+    pub degrees_of_freedom: f64,
 }
 
 impl Inertial {

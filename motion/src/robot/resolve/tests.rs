@@ -121,11 +121,13 @@ fn an_entry_takes_the_place_of_what_the_urdf_states() {
                 viscous: 0.0,
                 coulomb_positive: 0.4,
                 coulomb_negative: 0.4,
+                ..Friction::default()
             },
             joint_friction: Friction {
                 viscous: 0.5,
                 coulomb_positive: 0.25,
                 coulomb_negative: 0.75,
+                ..Friction::default()
             },
             stiffness: vec![1e4, -10.0],
             ..Drive::default()

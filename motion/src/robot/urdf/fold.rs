@@ -192,5 +192,6 @@ fn friction(joint: &Joint<'_>, findings: &mut Findings) -> Friction {
         viscous: dynamics.damping,
         coulomb_positive: dynamics.friction,
         coulomb_negative: dynamics.friction,
+        ..Friction::default()
     }
 }

@@ -39,6 +39,7 @@ fn joint(name: &str, kind: JointKind) -> JointSpec {
                 viscous: 0.5,
                 coulomb_positive: 1.5,
                 coulomb_negative: 1.5,
+                ..Friction::default()
             },
             ..Drive::default()
         },
@@ -56,6 +57,7 @@ fn robot(joints: Vec<JointSpec>) -> RobotSpec {
         payload: Inertial::zero(),
         tcp: Isometry3::identity(),
         frames: Vec::new(),
+        uncertainty: None,
     }
 }
 

@@ -51,6 +51,7 @@ fn with_drives(arm: &Robot) -> Robot {
                 viscous: 0.03 * torque / speed,
                 coulomb_positive: 0.04 * torque,
                 coulomb_negative: 0.05 * torque,
+                ..Friction::default()
             },
             ..Drive::default()
         };

@@ -128,6 +128,7 @@ pub(super) fn about_lines(lines: &[[Vector3<f64>; 2]; 6], state: &mut u64) -> Ro
         payload: Inertial::zero(),
         tcp: Isometry3::identity(),
         frames: Vec::new(),
+        uncertainty: None,
     };
     Robot::new(spec, Vec::new()).unwrap()
 }

@@ -284,6 +284,7 @@ fn dynamics_are_friction_only_when_asked_for() {
         viscous: 0.003,
         coulomb_positive: 0.2,
         coulomb_negative: 0.2,
+        ..Friction::default()
     };
     assert_eq!(chain.joints[0].drive.joint_friction, friction);
     assert_eq!(warnings, without_warnings());
