@@ -59,6 +59,8 @@ fn resolved(kinematics: Kinematics, joints: Vec<JointEntry>, oracle: Value) -> C
         tcp: None,
         frames: Vec::new(),
         use_urdf_dynamics: false,
+        link_inertia: Vec::new(),
+        uncertainty: None,
     };
     let spec = description
         .resolve()
