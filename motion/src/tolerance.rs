@@ -543,3 +543,16 @@ pub(crate) const BUDGET_STRIDE: usize = 64;
 pub(crate) const FINER_GRIDS: usize = 2;
 /// How far a sample's time may be from a stop to be the stop's, as part of the duration: some roundings of both.
 pub(crate) const SAMPLE_AT_STOP: f64 = 1.0e-13;
+
+/// Gravity torque that counts as none where a load passes zero, as part of the largest on the way: a kink of friction that
+/// is missed there is as small, a thousandth of [`VERIFY_RESERVE`].
+pub(crate) const KINK_FLOOR: f64 = 1.0e-9;
+
+/// Part of a stretch that separates two kinks, or one from its end: closer, what is between them takes less than the floor.
+pub(crate) const KINK_APART: f64 = 1.0e-9;
+
+/// Steps of the regula falsi on a zero of the load; from samples that resolve it, six to ten do.
+pub(crate) const KINK_ROUNDS: usize = 40;
+
+/// Parabolas that follow a load that dips towards zero between samples, before it is taken not to reach it.
+pub(crate) const KINK_DIP_ROUNDS: usize = 6;
