@@ -543,3 +543,11 @@ pub(crate) const BUDGET_STRIDE: usize = 64;
 pub(crate) const FINER_GRIDS: usize = 2;
 /// How far a sample's time may be from a stop to be the stop's, as part of the duration: some roundings of both.
 pub(crate) const SAMPLE_AT_STOP: f64 = 1.0e-13;
+
+/// Path speed that is rest at an end of a path, as part of the mean speed: the root of a place's rounding.
+pub(crate) const PATH_AT_REST: f64 = 1.0e-6;
+
+/// How far inside a path, as part of its length, its derivative says in which direction a joint sets out or arrives. Where
+/// q′ is zero at the end itself, what is there is rounding; this far inside, q″ shows through it. A joint that turns back
+/// nearer to the end moves by the square of this before it does: 1e-12 rad, at which it counts as standing.
+pub(crate) const PATH_DEPARTURE: f64 = 1.0e-6;

@@ -45,6 +45,13 @@ impl DriveTerms {
     /// Friction torque at a joint speed.
     #[inline]
     pub(crate) fn friction(&self, velocity: f64) -> f64 {
-        self.viscous * velocity + self.coulomb(velocity)
+        self.friction_towards(velocity, velocity)
+    }
+
+    /// Friction torque at a joint speed, of a motion in a direction: that of the motion just after or just before, where
+    /// the speed is 0.
+    #[inline]
+    pub(crate) fn friction_towards(&self, velocity: f64, direction: f64) -> f64 {
+        self.viscous * velocity + self.coulomb(direction)
     }
 }
