@@ -556,3 +556,10 @@ pub(crate) const KINK_ROUNDS: usize = 40;
 
 /// Parabolas that follow a load that dips towards zero between samples, before it is taken not to reach it.
 pub(crate) const KINK_DIP_ROUNDS: usize = 6;
+/// Path speed that is rest at an end of a path, as part of the mean speed: the root of a place's rounding.
+pub(crate) const PATH_AT_REST: f64 = 1.0e-6;
+
+/// How far inside a path, as part of its length, its derivative says in which direction a joint sets out or arrives. Where
+/// q′ is zero at the end itself, what is there is rounding; this far inside, q″ shows through it. A joint that turns back
+/// nearer to the end moves by the square of this before it does: 1e-12 rad, at which it counts as standing.
+pub(crate) const PATH_DEPARTURE: f64 = 1.0e-6;
