@@ -586,3 +586,23 @@ pub(crate) const GAIN_TORQUE_DAMPING: f64 = 0.3;
 
 /// Cut-off of the measured speed over the bandwidth: 6° of phase.
 pub(crate) const GAIN_FILTER: f64 = 10.0;
+
+/// Gravity torque that counts as none where a load passes zero, as part of the largest on the way: a kink of friction that
+/// is missed there is as small, a thousandth of [`VERIFY_RESERVE`].
+pub(crate) const KINK_FLOOR: f64 = 1.0e-9;
+
+/// Part of a stretch that separates two kinks, or one from its end: closer, what is between them takes less than the floor.
+pub(crate) const KINK_APART: f64 = 1.0e-9;
+
+/// Steps of the regula falsi on a zero of the load; from samples that resolve it, six to ten do.
+pub(crate) const KINK_ROUNDS: usize = 40;
+
+/// Parabolas that follow a load that dips towards zero between samples, before it is taken not to reach it.
+pub(crate) const KINK_DIP_ROUNDS: usize = 6;
+/// Path speed that is rest at an end of a path, as part of the mean speed: the root of a place's rounding.
+pub(crate) const PATH_AT_REST: f64 = 1.0e-6;
+
+/// How far inside a path, as part of its length, its derivative says in which direction a joint sets out or arrives. Where
+/// q′ is zero at the end itself, what is there is rounding; this far inside, q″ shows through it. A joint that turns back
+/// nearer to the end moves by the square of this before it does: 1e-12 rad, at which it counts as standing.
+pub(crate) const PATH_DEPARTURE: f64 = 1.0e-6;
