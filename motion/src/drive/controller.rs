@@ -62,9 +62,11 @@ pub struct JointState {
     /// Θ at the step before.
     pub motor_position: f64,
     /// Θ̇ over the period before, as differenced.
-    pub raw_velocity: f64,
-    /// Θ̇, filtered.
     pub motor_velocity: f64,
+    /// Θ̇d at the step before.
+    pub desired_velocity: f64,
+    /// Θ̇d − Θ̇, filtered.
+    pub velocity_error: f64,
     /// Θ − q at the step before.
     pub deformation: f64,
     /// d(Θ − q)/dt, filtered.
@@ -73,6 +75,10 @@ pub struct JointState {
     pub transmission_torque: f64,
     /// Torque that the motor was told to give over the period before.
     pub motor_torque: f64,
+    /// The same of the period before that.
+    pub motor_torque_before: f64,
+    /// The model's friction on the motor's side at the step before.
+    pub motor_model: f64,
     /// ΔF̂Θ.
     pub motor_friction: f64,
     /// ΔF̂q.
@@ -209,18 +215,19 @@ impl Controller {
         &self.joints
     }
 
-    /// One step of all joints. Slices have one entry a joint; allocates nothing.
+    /// One step of all joints: `desired` at its time, `next` a period later. Slices have one entry a joint; allocates nothing.
     pub fn step(
         &self,
         states: &mut [JointState],
         measured: &[Measured],
         desired: &[Desired],
+        next: &[Desired],
         commands: &mut [Command],
     ) {
-        let inputs = measured.iter().zip(desired);
-        for ((joint, state), ((measured, desired), command)) in self.joints.iter().zip(states).zip(inputs.zip(commands))
-        {
-            (*state, *command) = joint.step(*state, *measured, desired);
+        let inputs = measured.iter().zip(desired.iter().zip(next));
+        let joints = self.joints.iter().zip(states).zip(commands);
+        for (((joint, state), command), (measured, (desired, next))) in joints.zip(inputs) {
+            (*state, *command) = joint.step(*state, *measured, desired, next);
         }
     }
 }
@@ -233,13 +240,19 @@ impl JointController {
     }
 
     /// One step: from what was known and is measured to what is known and commanded.
+    ///
+    /// The command acts from now until the next step, so that its feed-forward is the mean of both.
     #[must_use]
-    pub fn step(&self, mut state: JointState, measured: Measured, desired: &Desired) -> (JointState, Command) {
+    pub fn step(
+        &self,
+        mut state: JointState,
+        measured: Measured,
+        desired: &Desired,
+        next: &Desired,
+    ) -> (JointState, Command) {
         self.observe(&mut state, measured, desired);
-        let model_output = self.joint.output.sliding(desired.velocity, desired.gravity_torque);
-        let model_motor = self.joint.motor.sliding(desired.motor_velocity, desired.gravity_torque);
-        let output_friction = model_output + state.output_friction;
-        let motor_friction = model_motor + state.motor_friction;
+        let output_friction = self.model_output(desired) + state.output_friction;
+        let motor_friction = self.model_motor(desired) + state.motor_friction;
         let transmission_torque = desired.rigid_torque + output_friction;
         let deformation = self.joint.transmission.as_ref().map_or(0.0, |elastic| {
             let largest = elastic.largest().deformation.copysign(transmission_torque);
@@ -249,14 +262,14 @@ impl JointController {
             Some(_) if self.joint.transmission.is_some() => transmission_torque - state.transmission_torque,
             _ => 0.0,
         };
-        let feed_forward = self.joint.inertia * desired.motor_acceleration + transmission_torque + motor_friction;
-        let position_error = desired.position + deformation - measured.motor_position;
-        let velocity_error = desired.motor_velocity - state.motor_velocity;
+        let now = self.joint.inertia * desired.motor_acceleration + transmission_torque + motor_friction;
+        let feed_forward = 0.5 * (now + self.feed_forward(&state, next));
         let demanded = feed_forward
             + self.gains.torque * torque_error
-            + self.gains.position * position_error
-            + self.gains.velocity * velocity_error;
+            + self.gains.position * (desired.position + deformation - measured.motor_position)
+            + self.gains.velocity * state.velocity_error;
         let torque = demanded.clamp(-self.limit, self.limit);
+        state.motor_torque_before = state.motor_torque;
         state.motor_torque = torque;
         let command = Command {
             torque,
@@ -267,40 +280,54 @@ impl JointController {
         (state, command)
     }
 
+    fn feed_forward(&self, state: &JointState, at: &Desired) -> f64 {
+        self.joint.inertia * at.motor_acceleration
+            + at.rigid_torque
+            + self.model_output(at)
+            + state.output_friction
+            + self.model_motor(at)
+            + state.motor_friction
+    }
+
+    fn model_output(&self, at: &Desired) -> f64 {
+        self.joint.output.sliding(at.velocity, at.gravity_torque)
+    }
+
+    fn model_motor(&self, at: &Desired) -> f64 {
+        self.joint.motor.sliding(at.motor_velocity, at.gravity_torque)
+    }
+
     /// Takes in what is measured: speed, transmission torque, and what friction is beyond the model's.
     fn observe(&self, state: &mut JointState, measured: Measured, desired: &Desired) {
         let elastic = self.joint.transmission.as_ref().zip(measured.output_position);
         let deformation = elastic.map_or(0.0, |(_, output)| measured.motor_position - output);
         if !state.running {
             state.running = true;
-            state.raw_velocity = desired.motor_velocity;
             state.motor_velocity = desired.motor_velocity;
             state.deformation_rate = desired.motor_velocity - desired.velocity;
-            state.motor_position = measured.motor_position;
-            state.deformation = deformation;
-            state.transmission_torque = self.transmission_torque(state, measured, desired);
-            return;
+            state.motor_torque = desired.motor_torque;
+            state.motor_torque_before = desired.motor_torque;
+        } else {
+            // the same filter and the same half period late on either side: the error has no lag of its own
+            let velocity = (measured.motor_position - state.motor_position) / self.period;
+            let error = 0.5 * (state.desired_velocity + desired.motor_velocity) - velocity;
+            state.velocity_error += self.filter * (error - state.velocity_error);
+            let winding = (deformation - state.deformation) / self.period;
+            state.deformation_rate += self.filter * (winding - state.deformation_rate);
+            // speeds are those of the middles of two periods: everything is taken where they meet, at the step before
+            let given = 0.5 * (state.motor_torque + state.motor_torque_before);
+            let gain = self.joint.inertia * (velocity - state.motor_velocity) / self.period;
+            let left = given - gain - state.transmission_torque - state.motor_model;
+            state.motor_friction += self.adaptation * (left - state.motor_friction);
+            state.motor_velocity = velocity;
         }
-        let velocity = (measured.motor_position - state.motor_position) / self.period;
-        let gain = velocity - state.raw_velocity;
-        state.motor_velocity += self.filter * (velocity - state.motor_velocity);
-        let winding = (deformation - state.deformation) / self.period;
-        state.deformation_rate += self.filter * (winding - state.deformation_rate);
         state.motor_position = measured.motor_position;
-        state.raw_velocity = velocity;
+        state.desired_velocity = desired.motor_velocity;
         state.deformation = deformation;
-        let before = state.transmission_torque;
+        state.motor_model = self.model_motor(desired);
         state.transmission_torque = self.transmission_torque(state, measured, desired);
-        if self.adaptation == 0.0 {
-            return;
-        }
-        let through = 0.5 * (before + state.transmission_torque);
-        let model = self.joint.motor.sliding(desired.motor_velocity, desired.gravity_torque);
-        let left = state.motor_torque - self.joint.inertia * gain / self.period - through - model;
-        state.motor_friction += self.adaptation * (left - state.motor_friction);
         if elastic.is_some() {
-            let model = self.joint.output.sliding(desired.velocity, desired.gravity_torque);
-            let left = state.transmission_torque - desired.rigid_torque - model;
+            let left = state.transmission_torque - desired.rigid_torque - self.model_output(desired);
             state.output_friction += self.adaptation * (left - state.output_friction);
         }
     }
