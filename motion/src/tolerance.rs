@@ -634,3 +634,17 @@ pub(crate) const GAIN_POSES: usize = 64;
 
 /// Most wrenches of a rehearsal: each is looked at in every step.
 pub(crate) const WRENCHES_MAX: usize = 100;
+
+/// Variance of a learned friction coefficient at the start, over that of a sample: a twentieth of a second at 1 kHz
+/// outweighs it, so that the first transient does not become the law.
+pub(crate) const ADAPT_PRIOR: f64 = 0.02;
+
+/// Speed below which no friction is learned, rad/s or m/s: the contact may not slide yet.
+pub(crate) const ADAPT_REST: f64 = 0.02;
+
+/// How long the controller remembers what it learned of friction, s: two or three moves; temperature takes minutes.
+pub(crate) const ADAPT_MEMORY: f64 = 2.0;
+
+/// Rate of the observer on the output's side over that on the motor's: at the same rate the slowest pole of an arm on its
+/// transmission keeps 0.15 to 0.2 of critical damping, at a quarter 0.35 to 0.4.
+pub(crate) const ADAPT_OUTPUT: f64 = 0.25;

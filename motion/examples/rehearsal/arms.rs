@@ -17,6 +17,17 @@ pub(crate) struct Arm {
     pub(crate) motion: Motion,
 }
 
+impl Arm {
+    /// Where its program begins.
+    #[allow(dead_code, reason = "the benchmark has set-points of its own")]
+    pub(crate) fn start(&self) -> Vec<f64> {
+        match &self.motion {
+            Motion::Path(path) => path.start.clone(),
+            Motion::Move(_) | Motion::Setpoints(_) => Vec::new(),
+        }
+    }
+}
+
 /// What is assumed of a joint's drive, seen from the joint.
 struct Assumed {
     /// kg m².
