@@ -13,9 +13,12 @@
 //! Everything is reflected to the output side: B = ξ²·I_m, τmotor = ξ·τ, Kτ = ξ·k_t. τext is what the arm exerts on its
 //! surroundings: a wrench F that acts on the flange enters as τext = −Jᵀ·F.
 
+mod adapt;
 pub mod controller;
+mod encoder;
 pub mod feedforward;
 mod gains;
+mod integrator;
 mod loss;
 mod plant;
 pub mod reference;
