@@ -2,6 +2,7 @@
 
 mod dynamics;
 mod finite;
+pub(crate) mod form;
 mod path;
 mod stream;
 

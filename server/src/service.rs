@@ -14,7 +14,7 @@ use tracing::Span;
 
 pub(crate) use self::streams::Incoming;
 use crate::{
-    compute::{self, Subject},
+    compute::{self, Subject, form::Form},
     config::Limits,
     error::ServiceError,
     planner::{Length, Pool, Timing},
@@ -73,20 +73,20 @@ pub(crate) struct Service {
 const PAGE_SIZE: u32 = 100;
 const LARGEST_PAGE: u32 = 1000;
 
-/// One calculation on the planner's threads about one robot.
+/// One calculation on the planner's threads about one robot; its answer in the form that the caller wants.
 macro_rules! calculation {
     ($(#[$doc:meta])* $name:ident: $request:ident -> $response:ident, $length:path) => {
         $(#[$doc])*
-        pub(crate) async fn $name(
+        pub(crate) async fn $name<F: Form<v1::$response>>(
             self: &Arc<Self>,
             call: Call,
             request: v1::$request,
-        ) -> Result<Answer<v1::$response>, ServiceError> {
+        ) -> Result<Answer<F::Written>, ServiceError> {
             let subject = self.subject(call, &request.robot_id, request.revision.as_deref()).await?;
             let length = $length(&request);
             let service = Arc::clone(self);
             let job = move |budget: &Budget<'_>| {
-                compute::$name(request, subject, &service.limits, call.deadline, budget)
+                F::write(compute::$name(request, subject, &service.limits, call.deadline, budget)?)
             };
             let (message, timing) = self.run(call, length, job).await?;
             Ok(answer(message, timing))
