@@ -2,7 +2,6 @@
 
 mod dynamics;
 mod finite;
-pub(crate) mod form;
 mod path;
 mod stream;
 

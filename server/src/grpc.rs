@@ -20,9 +20,9 @@ use tower::{Service as _, service_fn};
 
 use crate::{
     body::Incoming as Body,
-    compute::form::{Form as _, Protobuf},
     edge::{Admission, SERVER_TIMING, server_timing},
     error::ServiceError,
+    form::{Form as _, Protobuf},
     health::Health,
     service::{Answer, Call, Incoming, Service},
     stream::Feed,

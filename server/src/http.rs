@@ -26,9 +26,9 @@ use takt_proto::{
 
 use self::{json::Json, query::Query};
 use crate::{
-    compute::form::JsonText,
     edge::{SERVER_TIMING, server_timing},
     error::ServiceError,
+    form::JsonText,
     health::Health,
     planner::Timing,
     service::{Answer, Call, Service},

@@ -17,9 +17,8 @@ use takt_proto::{
 
 use super::{json_response, written};
 use crate::{
-    compute::form::json_text,
     error::ServiceError,
-    planner::Length,
+    form::json_text,
     service::{Answer, Call, Service},
 };
 
@@ -84,7 +83,7 @@ impl Json {
             parse(&body)?
         } else {
             let job = move |_: &Budget<'_>| parse(&body);
-            self.service.run(call, Length::Any, job).await?.0
+            self.service.run(call, job).await?.0
         };
         let named = message.robot_id();
         if !named.is_empty() && *named != id {
@@ -139,7 +138,7 @@ impl Json {
             return json_text(&message);
         }
         let job = move |_: &Budget<'_>| json_text(&message);
-        Ok(self.service.run(call, Length::Any, job).await?.0)
+        Ok(self.service.run(call, job).await?.0)
     }
 
     /// Writes an answer that is short or was read from the store.
