@@ -551,7 +551,7 @@ pub(crate) const KINK_FLOOR: f64 = 1.0e-9;
 /// Part of a stretch that separates two kinks, or one from its end: closer, what is between them takes less than the floor.
 pub(crate) const KINK_APART: f64 = 1.0e-9;
 
-/// Steps of the regula falsi on a zero of the load; from samples that resolve it, six to ten do.
+/// Steps of the regula falsi on a zero of the load; from samples that resolve it, six to ten do. What is reached then is taken.
 pub(crate) const KINK_ROUNDS: usize = 40;
 
 /// Parabolas that follow a load that dips towards zero between samples, before it is taken not to reach it.
