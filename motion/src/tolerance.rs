@@ -606,3 +606,15 @@ pub(crate) const PATH_AT_REST: f64 = 1.0e-6;
 /// q′ is zero at the end itself, what is there is rounding; this far inside, q″ shows through it. A joint that turns back
 /// nearer to the end moves by the square of this before it does: 1e-12 rad, at which it counts as standing.
 pub(crate) const PATH_DEPARTURE: f64 = 1.0e-6;
+
+/// How much larger than stated a use of a limit on a path may be between samples, as part of the limit: a fifth of the 1e-6
+/// that no drive and no sensor sees. The search for it ends there.
+pub(crate) const EXTREME_GAIN: f64 = 2.0e-7;
+
+/// Most values that the search for one limit's maximum takes on a path: twenty do on average; a limit that is just used all
+/// along the path takes one or two an interval.
+pub(crate) const EXTREME_STEPS: usize = 8192;
+
+/// Moments of a path closer than this part of its duration are one, when intervals are formed that nothing jumps within: a
+/// place is passed at a time that is known to some 1e-15, and near a stop to the root of a rounding.
+pub(crate) const BREAKS_APART: f64 = 1.0e-10;
