@@ -14,6 +14,7 @@
 
 mod channels;
 mod extremes;
+mod kinks;
 mod state;
 
 use nalgebra::Isometry3;
@@ -28,8 +29,8 @@ use crate::plan::outcome::OverrideSafety;
 use crate::robot::Robot;
 use crate::timing::law::TimeLaw;
 use crate::timing::limits::Limits;
-use crate::tolerance::{BREAKS_APART, EXTREME_GAIN, KINK_FLOOR, PATH_AT_REST};
-use crate::verify::{JointDemand, Point, kinks, overrides};
+use crate::tolerance::{BREAKS_APART, EXTREME_GAIN, PATH_AT_REST};
+use crate::verify::{JointDemand, Point, overrides};
 use channels::{Channels, fill};
 use extremes::{Node, Span, search, way};
 pub(super) use state::State;
@@ -242,46 +243,6 @@ impl<'a> Examiner<'a> {
             std::iter::once(ends[0]).chain(middle)
         });
         *breaks = halves.chain(breaks.last().copied()).collect();
-        true
-    }
-
-    /// Ends intervals where the load of a joint's friction passes zero; false where none does.
-    fn divide(&mut self, breaks: &mut Vec<f64>) -> bool {
-        let Self {
-            robot,
-            timed,
-            sweep,
-            state,
-            gravity,
-            workspace,
-            times,
-            ..
-        } = self;
-        let floor = KINK_FLOOR
-            * sweep
-                .gravity
-                .iter()
-                .fold(0.0, |most: f64, gravity| most.max(gravity.abs()));
-        let mut cuts = Vec::new();
-        for (joint, drive) in robot.drives().iter().enumerate() {
-            if drive.load_coulomb == 0.0 {
-                continue;
-            }
-            let column = &sweep.gravity[sweep.column(joint)..];
-            for (times, values) in times.chunks(PARTS + 1).zip(column.chunks(PARTS + 1)) {
-                cuts.extend(kinks::zeros(times, &values[..times.len()], floor, &mut |time| {
-                    state.set(timed.curve, timed.law, time, Side::After);
-                    dynamics::gravity_torque(robot, workspace, &state.position, gravity);
-                    gravity[joint]
-                }));
-            }
-        }
-        if cuts.is_empty() {
-            return false;
-        }
-        breaks.extend(cuts);
-        breaks.sort_by(f64::total_cmp);
-        breaks.dedup();
         true
     }
 
