@@ -86,12 +86,16 @@ pub(crate) const GRID_NODES_APART: f64 = 1.0e-12;
 /// Largest squared path velocity that is planned where nothing bounds it, 1/s².
 pub(crate) const PATH_SPEED_SQUARED_MAX: f64 = 1.0e12;
 
-/// Largest ratio of squared path velocities within a panel of the integral for time: with it Gauss and Legendre's six
-/// points leave a relative error below 1e-11. Pinned by `durations_are_those_of_closed_forms`.
-pub(crate) const LAW_PANEL_RATIO: f64 = 2.0;
+/// How far from the middle of a panel of the integral for time the squared path velocity has no root, in half widths: Gauss
+/// and Legendre's six points then leave a relative error below 1e-11. Pinned by `durations_are_those_of_closed_forms` and
+/// `a_dip_of_the_speed_within_a_piece_takes_its_time`.
+pub(crate) const LAW_PANEL_CLEAR: f64 = 3.5;
 
-/// Most panels of one piece: what varies more than 2⁶⁴-fold within a piece is not resolved.
-pub(crate) const LAW_PANELS_MAX: usize = 64;
+/// Shortest panel, as part of its piece: a dip of the speed that is narrower is rest.
+pub(crate) const LAW_PANEL_LEAST: f64 = 1.0e-6;
+
+/// Most panels of one piece: a dip as narrow as that takes some hundred.
+pub(crate) const LAW_PANELS_MAX: usize = 512;
 
 /// Rounds of Newton's method from a time to a place; two or three do, bisection alone would take fifty.
 pub(crate) const LAW_INVERSE_ROUNDS: usize = 60;
@@ -594,7 +598,7 @@ pub(crate) const KINK_FLOOR: f64 = 1.0e-9;
 /// Part of a stretch that separates two kinks, or one from its end: closer, what is between them takes less than the floor.
 pub(crate) const KINK_APART: f64 = 1.0e-9;
 
-/// Steps of the regula falsi on a zero of the load; from samples that resolve it, six to ten do.
+/// Steps of the regula falsi on a zero of the load; from samples that resolve it, six to ten do. What is reached then is taken.
 pub(crate) const KINK_ROUNDS: usize = 40;
 
 /// Parabolas that follow a load that dips towards zero between samples, before it is taken not to reach it.

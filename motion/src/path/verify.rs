@@ -9,11 +9,12 @@
 //! and from there to torques by inverse dynamics and to the tool by its own recursion. Of the planner's terms along the
 //! path it uses none. Every interval of the time law, of the path between its knots, and of its limits is sampled
 //! [`PARTS`] times, on both of its ends from within, where accelerations may jump, and halved until that shows how they
-//! vary; it ends where the load of a friction passes zero. Between samples every maximum that might be the largest is
-//! searched for ([`extremes`]), with the friction of either side where a joint turns back.
+//! vary, and ends where the load of a joint's friction passes zero; between samples every maximum that might be the largest is searched for ([`extremes`]), with the friction of
+//! either side where a joint turns back.
 
 mod channels;
 mod extremes;
+mod kinks;
 mod state;
 
 use nalgebra::Isometry3;
@@ -28,8 +29,8 @@ use crate::plan::outcome::OverrideSafety;
 use crate::robot::Robot;
 use crate::timing::law::TimeLaw;
 use crate::timing::limits::Limits;
-use crate::tolerance::{BREAKS_APART, EXTREME_GAIN, KINK_FLOOR, PATH_AT_REST};
-use crate::verify::{JointDemand, Point, kinks, overrides};
+use crate::tolerance::{BREAKS_APART, EXTREME_GAIN, PATH_AT_REST};
+use crate::verify::{JointDemand, Point, overrides};
 use channels::{Channels, fill};
 use extremes::{Node, Span, search, way};
 pub(super) use state::State;
@@ -242,46 +243,6 @@ impl<'a> Examiner<'a> {
             std::iter::once(ends[0]).chain(middle)
         });
         *breaks = halves.chain(breaks.last().copied()).collect();
-        true
-    }
-
-    /// Ends intervals where the load of a joint's friction passes zero; false where none does.
-    fn divide(&mut self, breaks: &mut Vec<f64>) -> bool {
-        let Self {
-            robot,
-            timed,
-            sweep,
-            state,
-            gravity,
-            workspace,
-            times,
-            ..
-        } = self;
-        let floor = KINK_FLOOR
-            * sweep
-                .gravity
-                .iter()
-                .fold(0.0, |most: f64, gravity| most.max(gravity.abs()));
-        let mut cuts = Vec::new();
-        for (joint, drive) in robot.drives().iter().enumerate() {
-            if drive.load_coulomb == 0.0 {
-                continue;
-            }
-            let column = &sweep.gravity[sweep.column(joint)..];
-            for (times, values) in times.chunks(PARTS + 1).zip(column.chunks(PARTS + 1)) {
-                cuts.extend(kinks::zeros(times, &values[..times.len()], floor, &mut |time| {
-                    state.set(timed.curve, timed.law, time, Side::After);
-                    dynamics::gravity_torque(robot, workspace, &state.position, gravity);
-                    gravity[joint]
-                }));
-            }
-        }
-        if cuts.is_empty() {
-            return false;
-        }
-        breaks.extend(cuts);
-        breaks.sort_by(f64::total_cmp);
-        breaks.dedup();
         true
     }
 
@@ -563,8 +524,7 @@ impl<'a> Examiner<'a> {
         };
         let entry = self.sweep.column(joint) + sample;
         let drive = self.robot.drives()[joint];
-        let direction = self.directions[entry];
-        let gravity = self.sweep.gravity[entry];
+        let (direction, gravity) = (self.directions[entry], self.sweep.gravity[entry]);
         let smooth = value - drive.coulomb(direction, gravity);
         Node {
             time,
@@ -631,8 +591,8 @@ impl<'a> Examiner<'a> {
         if self.robot.is_loaded() {
             dynamics::gravity_torque(self.robot, &mut self.workspace, &state.position, &mut self.gravity);
         }
-        let (drive, gravity) = (self.robot.drives()[joint], self.gravity[joint]);
-        let rigid = self.torque[joint] + drive.armature * acceleration;
+        let drive = self.robot.drives()[joint];
+        let (rigid, gravity) = (self.torque[joint] + drive.armature * acceleration, self.gravity[joint]);
         [-1.0, 0.0, 1.0].map(|way| rigid + drive.friction_towards(velocity, way, gravity))
     }
 

@@ -13,8 +13,8 @@ use crate::test_arms;
 /// Half as far again as the search promises, of the limit.
 const STATED: f64 = 3e-7;
 
-/// Two links in a vertical plane, whose joints take a fifth of their torque to turn back.
-fn planar(jerk: Option<f64>) -> Robot {
+/// Two links in a vertical plane, whose joints take a fifth of their torque to turn back, and a part of their load.
+fn planar(jerk: Option<f64>, load: f64) -> Robot {
     let mut spec = test_arms::planar();
     for joint in &mut spec.joints {
         let coulomb = 0.1 * joint.drive.peak_torque.unwrap();
@@ -22,6 +22,8 @@ fn planar(jerk: Option<f64>) -> Robot {
             coulomb_positive: coulomb,
             coulomb_negative: 0.7 * coulomb,
             viscous: 0.5,
+            load_coulomb: load,
+            quadratic: load,
             ..joint.drive.joint_friction
         };
         joint.limits.jerk = jerk;
@@ -29,11 +31,11 @@ fn planar(jerk: Option<f64>) -> Robot {
     test_arms::robot(spec)
 }
 
-/// A way there and back that no joint goes evenly, its corners blended.
-fn program(state: &mut u64, limit_jerk: bool) -> PathRequest {
+/// A way there and back that no joint goes evenly, its corners blended, with the shoulder around an angle.
+fn program(state: &mut u64, around: f64, limit_jerk: bool) -> PathRequest {
     let near = |state: &mut u64| {
         [
-            -1.2 + 0.8 * test_arms::random(state),
+            around + 0.8 * test_arms::random(state),
             1.0 + 0.8 * test_arms::random(state),
         ]
     };
@@ -74,11 +76,15 @@ fn missed(plan: &PathPlan, kind: PathLimit, joint: usize) -> Option<(f64, f64)> 
 }
 
 fn check(limit_jerk: bool) {
-    let robot = planar(limit_jerk.then_some(400.0));
+    check_around(-1.2, 0.0, limit_jerk);
+}
+
+fn check_around(around: f64, load: f64, limit_jerk: bool) {
+    let robot = planar(limit_jerk.then_some(400.0), load);
     let state = &mut 20_261_122;
     let mut plans = 0;
     for _ in 0..24 {
-        let Some(plan) = planned(&robot, &program(state, limit_jerk)) else {
+        let Some(plan) = planned(&robot, &program(state, around, limit_jerk)) else {
             continue;
         };
         plans += 1;
@@ -99,6 +105,14 @@ fn check(limit_jerk: bool) {
 #[test]
 fn no_set_point_uses_more_than_is_stated() {
     check(false);
+}
+
+/// Both links hang down about half way: there their loads pass zero, and friction in proportion to them has a kink.
+#[test]
+fn no_set_point_uses_more_than_is_stated_where_a_load_passes_zero() {
+    for limit_jerk in [false, true] {
+        check_around(-0.5 * std::f64::consts::PI - 0.5, 0.3, limit_jerk);
+    }
 }
 
 #[test]
