@@ -12,15 +12,14 @@
 #![allow(clippy::print_stdout, reason = "a program that prints a table")]
 
 use std::hint::black_box;
+use std::path::Path;
 use std::time::Instant;
 
 use takt_motion::budget::Budget;
 use takt_motion::drive::estimate::{EstimatorMethod, EstimatorOptions, FrictionEstimator, FrictionLaw, FrictionSide};
 use takt_motion::drive::telemetry::Telemetry;
 use takt_motion::robot::Robot;
-
-#[path = "../tests/real_arms/example.rs"]
-mod example;
+use takt_motion::robot::description::{Description, Kinematics};
 
 const JOINTS: usize = 6;
 
@@ -33,8 +32,7 @@ const BLOCKS: usize = 20;
 const BATCHES: usize = 300;
 
 fn main() {
-    let resolved = example::description("ur5e").resolve().expect("the example is sound");
-    let robot = Robot::new(resolved.spec, resolved.warnings).expect("the example is sound");
+    let robot = ur5e();
     let rich = FrictionLaw {
         by_direction: true,
         load: true,
@@ -71,6 +69,26 @@ fn main() {
         };
         measure(&format!("{method_name}/4_terms/torque_sensor"), &robot, options);
     }
+}
+
+/// The arm of `tests/vectors/robots`.
+fn ur5e() -> Robot {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/vectors/robots/ur5e/ur5e.urdf");
+    let description = Description {
+        kinematics: Kinematics::Urdf {
+            text: std::fs::read_to_string(file).expect("the repository has the file"),
+            base_link: None,
+            tip_link: Some("tool0".to_owned()),
+        },
+        joints: Vec::new(),
+        gravity: Some([0.0, 0.0, -9.81].into()),
+        payload: None,
+        tcp: None,
+        frames: Vec::new(),
+        use_urdf_dynamics: false,
+    };
+    let resolved = description.resolve().expect("the arm is sound");
+    Robot::new(resolved.spec, resolved.warnings).expect("the arm is sound")
 }
 
 /// One direction without end, at a speed that changes: nothing is skipped.
