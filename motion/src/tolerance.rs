@@ -635,6 +635,9 @@ pub(crate) const TELEMETRY_ACCELERATION_MAX: f64 = 1.0e6;
 /// Largest torque in telemetry at the joint, N m or N.
 pub(crate) const TELEMETRY_TORQUE_MAX: f64 = 1.0e7;
 
+/// Largest time of a sample, s: three hundred years on any clock. One sample beyond would make all others late.
+pub(crate) const TELEMETRY_TIME_MAX: f64 = 1.0e10;
+
 /// Shortest time between two samples, s: below it differences of positions are rounding.
 pub(crate) const TELEMETRY_STEP_MIN: f64 = 1.0e-6;
 
