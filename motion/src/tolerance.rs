@@ -543,3 +543,15 @@ pub(crate) const BUDGET_STRIDE: usize = 64;
 pub(crate) const FINER_GRIDS: usize = 2;
 /// How far a sample's time may be from a stop to be the stop's, as part of the duration: some roundings of both.
 pub(crate) const SAMPLE_AT_STOP: f64 = 1.0e-13;
+
+/// Most samples of a recording: an hour at 100 Hz, ten minutes at 1 kHz, and more would wait in memory for nothing.
+pub(crate) const FIT_SAMPLES_MAX: usize = 1_000_000;
+
+/// Largest magnitude of anything in a recording: beyond any unit of an arm, with products of three that stay finite.
+pub(crate) const FIT_VALUE_MAX: f64 = 1.0e9;
+
+/// Lowest corner of a fit's filter, Hz: slower motion is holding.
+pub(crate) const FIT_BAND_MIN: f64 = 0.1;
+
+/// Highest corner of a fit's filter, Hz: above it the transmission, not the rigid arm, answers.
+pub(crate) const FIT_BAND_MAX: f64 = 100.0;
