@@ -12,3 +12,13 @@
 //!
 //! Everything is reflected to the output side: B = ξ²·I_m, τmotor = ξ·τ, Kτ = ξ·k_t. τext is what the arm exerts on its
 //! surroundings: a wrench F that acts on the flange enters as τext = −Jᵀ·F.
+
+pub mod controller;
+pub mod feedforward;
+mod gains;
+mod loss;
+mod plant;
+pub mod reference;
+pub mod rehearse;
+mod series;
+pub mod transmission;

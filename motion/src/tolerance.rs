@@ -543,3 +543,46 @@ pub(crate) const BUDGET_STRIDE: usize = 64;
 pub(crate) const FINER_GRIDS: usize = 2;
 /// How far a sample's time may be from a stop to be the stop's, as part of the duration: some roundings of both.
 pub(crate) const SAMPLE_AT_STOP: f64 = 1.0e-13;
+/// Halvings of a bracket of the first maximum of a stiffness polynomial: from Cauchy's bound, which unequal coefficients make
+/// large, down to rounding.
+pub(crate) const TRANSMISSION_BISECTIONS: usize = 200;
+
+/// Rounds of Newton's method from a torque to a deformation; four do, doubling and halving take the rest where it is flat.
+pub(crate) const TRANSMISSION_ROUNDS: usize = 200;
+
+/// A deformation is found when Newton's step is this part of it: some units in the last place.
+pub(crate) const TRANSMISSION_ROUNDING: f64 = 1.0e-15;
+
+/// How far a contact gives way before it slides where the model has no presliding stiffness, rad or m: friction with corners
+/// has no solution that an integrator finds. It is below what an encoder at the joint resolves; the dry friction is off by more than
+/// 1 % over 4.6 times that way after each turn.
+pub(crate) const PRESLIDING_DEFAULT: f64 = 1.0e-4;
+
+/// Part of the dry friction that may be missing from full sliding and counts as full: rounding.
+pub(crate) const PRESLIDING_SETTLED: f64 = 1.0e-14;
+
+/// A derivative jumps between two pieces of a motion if it changes by more than this part of its largest value: below it is
+/// the rounding of decimal points. The same part of a period separates a sample from a jump.
+pub(crate) const SMOOTH_JUMP: f64 = 1.0e-6;
+
+/// Bandwidth of the joint controller, as part of the frequency at which the arm swings against a held motor: there, motor and arm
+/// still move together to within 1/(1 − 1/9), an eighth.
+pub(crate) const GAIN_RESONANCE: f64 = 1.0 / 3.0;
+
+/// Periods in one over the bandwidth: the delay of one and a half of them costs 4° of phase.
+pub(crate) const GAIN_SAMPLING: f64 = 20.0;
+
+/// Damping ratio of the joint controller: the least that has next to no overshoot.
+pub(crate) const GAIN_DAMPING: f64 = 0.7;
+
+/// Largest K_d·T over the rotor's inertia: from 1 on, a speed that is known a period late drives the rotor alone unstable.
+pub(crate) const GAIN_ROTOR: f64 = 0.25;
+
+/// Largest torque-error gain: the rotor feels half as heavy.
+pub(crate) const GAIN_TORQUE: f64 = 1.0;
+
+/// Part of K_d that the torque error's delay may take.
+pub(crate) const GAIN_TORQUE_DAMPING: f64 = 0.3;
+
+/// Cut-off of the measured speed over the bandwidth: 6° of phase.
+pub(crate) const GAIN_FILTER: f64 = 10.0;

@@ -46,19 +46,19 @@ pub(super) fn setpoints(
     Ok(Some(setpoints))
 }
 
-struct Sampler<'a> {
+pub(super) struct Sampler<'a> {
     problem: &'a Problem,
     runs: &'a [TimedRun],
     start: &'a [f64],
     /// Where the arm stands after each stroke.
     rests: Vec<Vec<f64>>,
     sweep: Sweep,
-    state: State,
+    pub(super) state: State,
     setpoints: PathSetpoints,
 }
 
 impl<'a> Sampler<'a> {
-    fn new(problem: &'a Problem, request: &'a PathRequest, runs: &'a [TimedRun]) -> Self {
+    pub(super) fn new(problem: &'a Problem, request: &'a PathRequest, runs: &'a [TimedRun]) -> Self {
         let count = problem.robot.joint_count();
         Self {
             problem,
@@ -116,7 +116,7 @@ impl<'a> Sampler<'a> {
     }
 
     /// Sets the state at a time, and says where it is. A time that a rounding separates from a stop is the stop's.
-    fn set(&mut self, time: f64) -> Location {
+    pub(super) fn set(&mut self, time: f64) -> Location {
         let slack = SAMPLE_AT_STOP * self.runs.last().map_or(0.0, TimedRun::end);
         let after = self.runs.partition_point(|run| run.begin <= time + slack);
         let Some((run, rest)) = after

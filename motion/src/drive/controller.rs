@@ -1,0 +1,323 @@
+//! The controller of one arm, step by step: for a cell controller to link into its own loop, and for rehearsals.
+//!
+//! ```text
+//! τJ,d = M·q̈d + C·q̇d + g + F̂q                      F̂ = F_model + ΔF̂
+//! τr   = B·Θ̈d + τJ,d + F̂Θ                           feed-forward
+//!      + K_t·(τJ,d − τ̂J)                              torque error
+//!      + K_p·(Θd − Θ) + K_d·(Θ̇d − Θ̇)                feedback,  Θd = qd + τE⁻¹(τJ,d)
+//! i    = τr/(ξ·k_t), after limits
+//! ```
+//!
+//! ("controlling a robot arm based on adaptive friction", figs. 6, 8, 10.) τ̂J = τE(Θ − q) + D·d(Θ − q)/dt where the output's position is
+//! measured, the model's τJ,d where it is not. Friction is adapted by the observer of fig. 11 on either side,
+//!
+//! ```text
+//! d(ΔF̂Θ)/dt = L·(τm − B·Θ̈ − τ̂J − F_model,Θ − ΔF̂Θ)        d(ΔF̂q)/dt = L·(τ̂J − (M·q̈d + C·q̇d + g) − F_model,q − ΔF̂q)
+//! ```
+//!
+//! on what the model's friction leaves over: a first-order lag of rate L. Over a period T its input is constant, so that its exact
+//! solution is ΔF̂ ← ΔF̂ + (1 − e^(−L·T))·(r − ΔF̂): stable for every T. Where the output is not measured ΔF̂Θ takes in both sides, and
+//! what the tracking error accelerates besides.
+//!
+//! What is desired is computed beforehand ([`feed_forward`](super::feedforward::feed_forward)) and friction added here, so that adapting costs no dynamics. A
+//! step allocates nothing, reads no clock and has no state but what it is given.
+
+use super::feedforward::{Desired, Joint};
+pub use super::gains::{JointGains, default_gains};
+use crate::error::Invalid;
+use crate::robot::Robot;
+
+/// Whether, and how fast, friction is adapted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Adaptation {
+    /// The model's friction.
+    Off,
+    /// By the observer, L in 1/s; `None`: K_p/K_d of the joint.
+    Observer {
+        /// L.
+        rate: Option<f64>,
+    },
+}
+
+impl Default for Adaptation {
+    fn default() -> Self {
+        Self::Observer { rate: None }
+    }
+}
+
+/// What is measured of a joint at the beginning of a step, seen from the joint.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Measured {
+    /// Θ: the motor's position over the gear ratio.
+    pub motor_position: f64,
+    /// q, where it is measured.
+    pub output_position: Option<f64>,
+}
+
+/// What the controller knows of a joint from one step to the next.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct JointState {
+    /// Something was measured before.
+    pub running: bool,
+    /// Θ at the step before.
+    pub motor_position: f64,
+    /// Θ̇ over the period before, as differenced.
+    pub raw_velocity: f64,
+    /// Θ̇, filtered.
+    pub motor_velocity: f64,
+    /// Θ − q at the step before.
+    pub deformation: f64,
+    /// d(Θ − q)/dt, filtered.
+    pub deformation_rate: f64,
+    /// τ̂J at the step before.
+    pub transmission_torque: f64,
+    /// Torque that the motor was told to give over the period before.
+    pub motor_torque: f64,
+    /// ΔF̂Θ.
+    pub motor_friction: f64,
+    /// ΔF̂q.
+    pub output_friction: f64,
+}
+
+/// What a joint's motor is told.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Command {
+    /// Torque within its limit, at the joint.
+    pub torque: f64,
+    /// Torque that the controller would have, at the joint.
+    pub demanded: f64,
+    /// A, for `torque`; `None` where the torque constant is not known.
+    pub current: Option<f64>,
+    /// What friction was taken for, both sides together.
+    pub friction: f64,
+}
+
+/// The controller of one joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointController {
+    joint: Joint,
+    gains: JointGains,
+    /// s.
+    period: f64,
+    /// 1 − e^(−ω·T) of the speed's filter.
+    filter: f64,
+    /// 1 − e^(−L·T); 0 without adaptation.
+    adaptation: f64,
+    /// Largest torque at the joint, infinite where none is known.
+    limit: f64,
+}
+
+/// The controllers of an arm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Controller {
+    joints: Vec<JointController>,
+}
+
+impl Controller {
+    /// The controller of a robot at a period, in s. `current_limits` may be empty.
+    ///
+    /// # Errors
+    /// A period, gain, rate or limit that cannot be.
+    pub fn new(
+        robot: &Robot,
+        gains: &[JointGains],
+        current_limits: &[f64],
+        adaptation: Adaptation,
+        period: f64,
+    ) -> Result<Self, Vec<Invalid>> {
+        let mut wrong = Vec::new();
+        let count = robot.joint_count();
+        if gains.len() != count {
+            let message = format!("{} values, the robot has {count} joints", gains.len());
+            wrong.push(Invalid::new("gains", message));
+        }
+        if !current_limits.is_empty() && current_limits.len() != count {
+            let message = format!("{} values, the robot has {count} joints", current_limits.len());
+            wrong.push(Invalid::new("current_limits", message));
+        }
+        if !(period.is_finite() && period > 0.0) {
+            wrong.push(Invalid::new(
+                "period_s",
+                format!("{period} must be positive and finite"),
+            ));
+        }
+        for (joint, gains) in gains.iter().enumerate() {
+            gains.check(&format!("gains[{joint}]"), &mut wrong);
+        }
+        if let Adaptation::Observer { rate: Some(rate) } = adaptation
+            && !(rate.is_finite() && rate >= 0.0)
+        {
+            let message = format!("{rate} must be finite and at least 0");
+            wrong.push(Invalid::new("adaptation.rate", message));
+        }
+        for (joint, limit) in current_limits.iter().enumerate() {
+            let path = format!("current_limits[{joint}]");
+            if !(*limit > 0.0) {
+                wrong.push(Invalid::new(path, format!("{limit} must be positive")));
+            } else if robot
+                .spec()
+                .joints
+                .get(joint)
+                .is_some_and(|j| j.drive.torque_constant.is_none())
+            {
+                let message = "the drive has no torque constant, so that a current means no torque";
+                wrong.push(Invalid::new(path, message));
+            }
+        }
+        if !wrong.is_empty() {
+            return Err(wrong);
+        }
+        let joints = robot
+            .spec()
+            .joints
+            .iter()
+            .zip(gains)
+            .enumerate()
+            .map(|(index, (spec, gains))| {
+                let joint = Joint::new(&spec.drive);
+                let by_current = current_limits.get(index).zip(joint.torque_constant);
+                let by_current = by_current.map_or(f64::INFINITY, |(current, constant)| current * constant.abs());
+                let rate = match adaptation {
+                    Adaptation::Off => 0.0,
+                    Adaptation::Observer { rate: Some(rate) } => rate,
+                    Adaptation::Observer { rate: None } if gains.velocity > 0.0 => gains.position / gains.velocity,
+                    Adaptation::Observer { rate: None } => 0.0,
+                };
+                JointController {
+                    joint,
+                    gains: *gains,
+                    period,
+                    filter: lag(gains.velocity_filter * period),
+                    adaptation: lag(rate * period),
+                    limit: spec.drive.peak_torque.unwrap_or(f64::INFINITY).min(by_current),
+                }
+            });
+        Ok(Self {
+            joints: joints.collect(),
+        })
+    }
+
+    /// States of all joints before the first step.
+    #[must_use]
+    pub fn start(&self) -> Vec<JointState> {
+        vec![JointState::default(); self.joints.len()]
+    }
+
+    /// The controllers of the joints.
+    #[must_use]
+    pub fn joints(&self) -> &[JointController] {
+        &self.joints
+    }
+
+    /// One step of all joints. Slices have one entry a joint; allocates nothing.
+    pub fn step(
+        &self,
+        states: &mut [JointState],
+        measured: &[Measured],
+        desired: &[Desired],
+        commands: &mut [Command],
+    ) {
+        let inputs = measured.iter().zip(desired);
+        for ((joint, state), ((measured, desired), command)) in self.joints.iter().zip(states).zip(inputs.zip(commands))
+        {
+            (*state, *command) = joint.step(*state, *measured, desired);
+        }
+    }
+}
+
+impl JointController {
+    /// Largest torque that is commanded, infinite where none is known.
+    #[must_use]
+    pub fn limit(&self) -> f64 {
+        self.limit
+    }
+
+    /// One step: from what was known and is measured to what is known and commanded.
+    #[must_use]
+    pub fn step(&self, mut state: JointState, measured: Measured, desired: &Desired) -> (JointState, Command) {
+        self.observe(&mut state, measured, desired);
+        let model_output = self.joint.output.sliding(desired.velocity, desired.gravity_torque);
+        let model_motor = self.joint.motor.sliding(desired.motor_velocity, desired.gravity_torque);
+        let output_friction = model_output + state.output_friction;
+        let motor_friction = model_motor + state.motor_friction;
+        let transmission_torque = desired.rigid_torque + output_friction;
+        let deformation = self.joint.transmission.as_ref().map_or(0.0, |elastic| {
+            let largest = elastic.largest().deformation.copysign(transmission_torque);
+            elastic.deformation(transmission_torque).unwrap_or(largest)
+        });
+        let torque_error = match measured.output_position {
+            Some(_) if self.joint.transmission.is_some() => transmission_torque - state.transmission_torque,
+            _ => 0.0,
+        };
+        let feed_forward = self.joint.inertia * desired.motor_acceleration + transmission_torque + motor_friction;
+        let position_error = desired.position + deformation - measured.motor_position;
+        let velocity_error = desired.motor_velocity - state.motor_velocity;
+        let demanded = feed_forward
+            + self.gains.torque * torque_error
+            + self.gains.position * position_error
+            + self.gains.velocity * velocity_error;
+        let torque = demanded.clamp(-self.limit, self.limit);
+        state.motor_torque = torque;
+        let command = Command {
+            torque,
+            demanded,
+            current: self.joint.torque_constant.map(|constant| torque / constant),
+            friction: output_friction + motor_friction,
+        };
+        (state, command)
+    }
+
+    /// Takes in what is measured: speed, transmission torque, and what friction is beyond the model's.
+    fn observe(&self, state: &mut JointState, measured: Measured, desired: &Desired) {
+        let elastic = self.joint.transmission.as_ref().zip(measured.output_position);
+        let deformation = elastic.map_or(0.0, |(_, output)| measured.motor_position - output);
+        if !state.running {
+            state.running = true;
+            state.raw_velocity = desired.motor_velocity;
+            state.motor_velocity = desired.motor_velocity;
+            state.deformation_rate = desired.motor_velocity - desired.velocity;
+            state.motor_position = measured.motor_position;
+            state.deformation = deformation;
+            state.transmission_torque = self.transmission_torque(state, measured, desired);
+            return;
+        }
+        let velocity = (measured.motor_position - state.motor_position) / self.period;
+        let gain = velocity - state.raw_velocity;
+        state.motor_velocity += self.filter * (velocity - state.motor_velocity);
+        let winding = (deformation - state.deformation) / self.period;
+        state.deformation_rate += self.filter * (winding - state.deformation_rate);
+        state.motor_position = measured.motor_position;
+        state.raw_velocity = velocity;
+        state.deformation = deformation;
+        let before = state.transmission_torque;
+        state.transmission_torque = self.transmission_torque(state, measured, desired);
+        if self.adaptation == 0.0 {
+            return;
+        }
+        let through = 0.5 * (before + state.transmission_torque);
+        let model = self.joint.motor.sliding(desired.motor_velocity, desired.gravity_torque);
+        let left = state.motor_torque - self.joint.inertia * gain / self.period - through - model;
+        state.motor_friction += self.adaptation * (left - state.motor_friction);
+        if elastic.is_some() {
+            let model = self.joint.output.sliding(desired.velocity, desired.gravity_torque);
+            let left = state.transmission_torque - desired.rigid_torque - model;
+            state.output_friction += self.adaptation * (left - state.output_friction);
+        }
+    }
+
+    /// τ̂J.
+    fn transmission_torque(&self, state: &JointState, measured: Measured, desired: &Desired) -> f64 {
+        match (&self.joint.transmission, measured.output_position) {
+            (Some(elastic), Some(_)) => {
+                let reach = elastic.largest().deformation;
+                elastic.torque(state.deformation.clamp(-reach, reach)) + elastic.damping() * state.deformation_rate
+            }
+            _ => desired.transmission_torque,
+        }
+    }
+}
+
+/// 1 − e^(−x).
+fn lag(x: f64) -> f64 {
+    -libm::expm1(-x)
+}

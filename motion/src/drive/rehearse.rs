@@ -1,0 +1,4 @@
+//! Rehearsals.
+
+pub mod outcome;
+pub mod request;
