@@ -14,8 +14,10 @@
 //! surroundings: a wrench F that acts on the flange enters as τext = −Jᵀ·F.
 
 pub mod controller;
+mod encoder;
 pub mod feedforward;
 mod gains;
+mod integrator;
 mod loss;
 mod plant;
 pub mod reference;

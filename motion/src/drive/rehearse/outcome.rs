@@ -129,7 +129,7 @@ pub struct JointRun {
     pub margin: Option<f64>,
     /// Time that the limit was in force, s.
     pub limited_time: f64,
-    /// Largest motor current that was asked for, A, signed; `None`: torque constant not known.
+    /// Largest motor current, A, signed; `None`: torque constant not known.
     pub current_peak: Option<f64>,
     /// Root mean square of the motor current, A.
     pub current_rms: Option<f64>,
