@@ -24,3 +24,5 @@ pub mod reference;
 pub mod rehearse;
 mod series;
 pub mod transmission;
+pub mod estimate;
+pub mod telemetry;
