@@ -14,6 +14,7 @@ pub(crate) mod chain;
 pub(crate) mod composite;
 pub(crate) mod drive;
 pub(crate) mod path;
+pub mod regressor;
 pub(crate) mod rnea;
 pub(crate) mod sweep;
 

@@ -704,3 +704,15 @@ pub(crate) const ESTIMATE_LOAD_SPREAD_MIN: f64 = 0.1;
 
 /// A coefficient is told by the samples where its standard error is below this part of what it was beforehand.
 pub(crate) const ESTIMATE_TOLD_PART: f64 = 0.5;
+
+/// Most samples of a recording: an hour at 100 Hz, ten minutes at 1 kHz, and more would wait in memory for nothing.
+pub(crate) const FIT_SAMPLES_MAX: usize = 1_000_000;
+
+/// Largest magnitude of anything in a recording: beyond any unit of an arm, with products of three that stay finite.
+pub(crate) const FIT_VALUE_MAX: f64 = 1.0e9;
+
+/// Lowest corner of a fit's filter, Hz: slower motion is holding.
+pub(crate) const FIT_BAND_MIN: f64 = 0.1;
+
+/// Highest corner of a fit's filter, Hz: above it the transmission, not the rigid arm, answers.
+pub(crate) const FIT_BAND_MAX: f64 = 100.0;
