@@ -716,3 +716,16 @@ pub(crate) const FIT_BAND_MIN: f64 = 0.1;
 
 /// Highest corner of a fit's filter, Hz: above it the transmission, not the rigid arm, answers.
 pub(crate) const FIT_BAND_MAX: f64 = 100.0;
+
+/// Gravity torque that counts as none where a load passes zero, as part of the largest on the way: a kink of friction that
+/// is missed there is as small, a thousandth of [`VERIFY_RESERVE`].
+pub(crate) const KINK_FLOOR: f64 = 1.0e-9;
+
+/// Part of a stretch that separates two kinks, or one from its end: closer, what is between them takes less than the floor.
+pub(crate) const KINK_APART: f64 = 1.0e-9;
+
+/// Steps of the regula falsi on a zero of the load; from samples that resolve it, six to ten do.
+pub(crate) const KINK_ROUNDS: usize = 40;
+
+/// Parabolas that follow a load that dips towards zero between samples, before it is taken not to reach it.
+pub(crate) const KINK_DIP_ROUNDS: usize = 6;

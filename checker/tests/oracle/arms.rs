@@ -113,6 +113,7 @@ fn puma_joints() -> Vec<JointEntry> {
                         viscous: number("viscous"),
                         coulomb_positive: Some(coulomb[0]),
                         coulomb_negative: Some(-coulomb[1]),
+                        ..FrictionEntry::default()
                     }),
                     ..DriveEntry::default()
                 },

@@ -109,7 +109,7 @@ impl<'a> Sampler<'a> {
                 columns.position.push(self.sweep.position[entry]);
                 columns.velocity.push(velocity);
                 columns.acceleration.push(acceleration);
-                let drives = drive.armature * acceleration + drive.friction(velocity);
+                let drives = drive.armature * acceleration + drive.friction(velocity, self.sweep.gravity[entry]);
                 columns.torque.push(self.sweep.torque[entry] + drives);
             }
         }

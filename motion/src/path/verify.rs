@@ -9,7 +9,8 @@
 //! and from there to torques by inverse dynamics and to the tool by its own recursion. Of the planner's terms along the
 //! path it uses none. Every interval of the time law is sampled [`PARTS`] times, on both of its ends from within, where
 //! accelerations may jump, and halved until that shows how they vary; between samples every maximum that might be the
-//! largest is found by parabolas; where a joint turns back, its friction is taken on either side.
+//! largest is found by parabolas; where a joint turns back, its friction is taken on either side, and where the load of its
+//! friction passes zero, an interval ends.
 
 mod channels;
 mod state;
@@ -26,8 +27,8 @@ use crate::plan::outcome::OverrideSafety;
 use crate::robot::Robot;
 use crate::timing::law::TimeLaw;
 use crate::timing::limits::{Limits, Stretch};
-use crate::tolerance::REFINE_GAIN;
-use crate::verify::{JointDemand, Point, overrides};
+use crate::tolerance::{KINK_FLOOR, REFINE_GAIN};
+use crate::verify::{JointDemand, Point, kinks, overrides};
 use channels::{Channels, fill};
 pub(super) use state::State;
 
@@ -137,6 +138,7 @@ struct Examiner<'a> {
     sweep: Sweep,
     state: State,
     torque: Vec<f64>,
+    gravity: Vec<f64>,
     workspace: Workspace,
     /// Values of every limit at the samples of a block, sample by sample.
     values: Vec<f64>,
@@ -163,6 +165,7 @@ impl<'a> Examiner<'a> {
             sweep: Sweep::default(),
             state: State::new(count),
             torque: vec![0.0; count],
+            gravity: vec![0.0; count],
             workspace: Workspace::new(robot),
             values: Vec::new(),
             places: Vec::new(),
@@ -190,6 +193,10 @@ impl<'a> Examiner<'a> {
             self.sample(&breaks);
         }
         self.sweep.compute(self.robot.chain());
+        if self.robot.is_loaded() && self.divide(&mut breaks) {
+            self.sample(&breaks);
+            self.sweep.compute(self.robot.chain());
+        }
         self.add_torques(self.times.len());
         for (interval, ends) in breaks.windows(2).enumerate() {
             self.interval(interval * (PARTS + 1), ends);
@@ -213,6 +220,46 @@ impl<'a> Examiner<'a> {
             std::iter::once(ends[0]).chain(middle)
         });
         *breaks = halves.chain(breaks.last().copied()).collect();
+        true
+    }
+
+    /// Ends intervals where the load of a joint's friction passes zero; false where none does.
+    fn divide(&mut self, breaks: &mut Vec<f64>) -> bool {
+        let Self {
+            robot,
+            timed,
+            sweep,
+            state,
+            gravity,
+            workspace,
+            times,
+            ..
+        } = self;
+        let floor = KINK_FLOOR
+            * sweep
+                .gravity
+                .iter()
+                .fold(0.0, |most: f64, gravity| most.max(gravity.abs()));
+        let mut cuts = Vec::new();
+        for (joint, drive) in robot.drives().iter().enumerate() {
+            if drive.load_coulomb == 0.0 {
+                continue;
+            }
+            let column = &sweep.gravity[sweep.column(joint)..];
+            for (times, values) in times.chunks(PARTS + 1).zip(column.chunks(PARTS + 1)) {
+                cuts.extend(kinks::zeros(times, &values[..times.len()], floor, &mut |time| {
+                    state.set(timed.curve, timed.law, time, Side::After);
+                    dynamics::gravity_torque(robot, workspace, &state.position, gravity);
+                    gravity[joint]
+                }));
+            }
+        }
+        if cuts.is_empty() {
+            return false;
+        }
+        breaks.extend(cuts);
+        breaks.sort_by(f64::total_cmp);
+        breaks.dedup();
         true
     }
 
@@ -298,9 +345,9 @@ impl<'a> Examiner<'a> {
                     joint,
                     time: self.timed.begin + self.times[sample],
                     segment: 0,
-                    dynamic: self.sweep.torque[entry] - gravity + drive.armature * acceleration,
+                    dynamic: self.sweep.torque[entry] - gravity + drive.armature * acceleration + drive.drag(velocity),
                     viscous: drive.viscous * velocity,
-                    still: gravity + drive.coulomb(velocity),
+                    still: gravity + drive.coulomb(velocity, gravity),
                     gravity,
                 };
                 let torque = point.torque(1.0);
@@ -479,9 +526,12 @@ impl<'a> Examiner<'a> {
             let part = before / (before - after);
             let time = self.times[sample] + part * (self.times[sample + 1] - self.times[sample]);
             let channel = Channels::torque(joint);
-            let torque = self.value_at(channel, time) - drive.coulomb(self.state.velocity[joint]);
+            let torque = self.value_at(channel, time);
+            dynamics::gravity_torque(self.robot, &mut self.workspace, &self.state.position, &mut self.gravity);
+            let gravity = self.gravity[joint];
+            let torque = torque - drive.coulomb(self.state.velocity[joint], gravity);
             for direction in [1.0, -1.0] {
-                let found = (torque + drive.coulomb(direction), time, self.state.s);
+                let found = (torque + drive.coulomb(direction, gravity), time, self.state.s);
                 self.keep(channel, limit, found);
             }
         }
@@ -535,11 +585,11 @@ impl<'a> Examiner<'a> {
         let joint = tightest.joint?;
         let channel = Channels::torque(joint);
         let total = self.value_at(channel, tightest.time - self.timed.begin);
-        let mut gravity = vec![0.0; self.torque.len()];
-        dynamics::gravity_torque(self.robot, &mut self.workspace, &self.state.position, &mut gravity);
+        dynamics::gravity_torque(self.robot, &mut self.workspace, &self.state.position, &mut self.gravity);
+        let gravity = self.gravity[joint];
         let drive = self.robot.drives()[joint];
         let velocity = self.state.velocity[joint];
-        if tightest.value == gravity[joint] {
+        if tightest.value == gravity {
             // held still: no speed makes it less
             return Some(Point {
                 joint,
@@ -553,15 +603,15 @@ impl<'a> Examiner<'a> {
         }
         let viscous = drive.viscous * velocity;
         // friction may act the other way than at the sample, where the joint turns back just there
-        let coulomb = tightest.value - total + drive.coulomb(velocity);
+        let coulomb = tightest.value - total + drive.coulomb(velocity, gravity);
         Some(Point {
             joint,
             time: tightest.time,
             segment: 0,
-            dynamic: tightest.value - coulomb - viscous - gravity[joint],
+            dynamic: tightest.value - coulomb - viscous - gravity,
             viscous,
-            still: gravity[joint] + coulomb,
-            gravity: gravity[joint],
+            still: gravity + coulomb,
+            gravity,
         })
     }
 }

@@ -22,7 +22,7 @@ fn dynamics_and_kinematics_allocate_nothing() {
         let counted = allocation_counter::measure(|| {
             dynamics::rigid_torque(&robot, workspace, &q, &qd, &qdd, &mut torque);
             dynamics::gravity_torque(&robot, workspace, &q, &mut torque);
-            dynamics::friction_torque(&robot, &qd, &mut torque);
+            dynamics::friction_torque(&robot, workspace, &q, &qd, &mut torque);
             dynamics::rotor_torque(&robot, &qdd, &mut torque);
             dynamics::drive_torque(&robot, workspace, &q, &qd, &qdd, &mut torque);
             dynamics::mass_matrix(&robot, workspace, &q, &mut matrix);
