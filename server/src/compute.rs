@@ -1,8 +1,11 @@
 //! What runs on the planner's threads: from a request and a robot to the answer. Pure.
 
 mod dynamics;
+mod estimate;
 mod finite;
 mod path;
+mod propose;
+mod rehearse;
 mod stream;
 
 use std::{sync::Arc, time::Instant};
@@ -26,7 +29,9 @@ use tracing::Span;
 
 pub(crate) use self::{
     dynamics::{forward_kinematics, inverse_dynamics, inverse_kinematics},
+    estimate::Estimating,
     path::plan_path,
+    rehearse::rehearse,
     stream::stream_setpoints,
 };
 use crate::{
@@ -74,7 +79,7 @@ macro_rules! of_revision {
 }
 
 of_revision!(
-    PlanMoveRequest PlanPathRequest CheckTrajectoryRequest InverseDynamicsRequest ForwardKinematicsRequest
+    EstimateHeader RehearseRequest PlanMoveRequest PlanPathRequest CheckTrajectoryRequest InverseDynamicsRequest ForwardKinematicsRequest
     InverseKinematicsRequest
 );
 

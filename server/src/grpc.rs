@@ -4,15 +4,15 @@ use std::sync::Arc;
 
 use async_trait::async_trait;
 use axum::{Router, response::Response};
-use futures::{StreamExt, stream::BoxStream};
+use futures::{Stream, StreamExt, stream::BoxStream};
 use http::Uri;
 use takt_proto::{
     DESCRIPTOR,
     convert::quoted,
     error::{Error, ErrorCode},
     v1::{
-        self, dynamics_service_server::DynamicsServiceServer, plan_service_server::PlanServiceServer,
-        robot_service_server::RobotServiceServer,
+        self, drive_service_server::DriveServiceServer, dynamics_service_server::DynamicsServiceServer,
+        plan_service_server::PlanServiceServer, robot_service_server::RobotServiceServer,
     },
 };
 use tonic::{Status, metadata::AsciiMetadataValue, server::NamedService, service::Routes};
@@ -22,15 +22,16 @@ use crate::{
     edge::{Admission, SERVER_TIMING, server_timing},
     error::ServiceError,
     health::Health,
-    service::{Answer, Call, Incoming, Service},
+    service::{Answer, Arrived, Call, Incoming, Service},
     stream::Feed,
 };
 
 /// The services whose health can be asked for.
-pub(crate) const SERVICES: [&str; 3] = [
+pub(crate) const SERVICES: [&str; 4] = [
     RobotServiceServer::<Handler>::NAME,
     PlanServiceServer::<Handler>::NAME,
     DynamicsServiceServer::<Handler>::NAME,
+    DriveServiceServer::<Handler>::NAME,
 ];
 
 /// Every gRPC service of the port.
@@ -42,7 +43,8 @@ pub(crate) fn router(
     let handler = Arc::new(Handler(service));
     let robots = RobotServiceServer::from_arc(Arc::clone(&handler));
     let plans = PlanServiceServer::from_arc(Arc::clone(&handler));
-    let dynamics = DynamicsServiceServer::from_arc(handler);
+    let dynamics = DynamicsServiceServer::from_arc(Arc::clone(&handler));
+    let drives = DriveServiceServer::from_arc(handler);
     let reflection = || {
         tonic_reflection::server::Builder::configure()
             .register_encoded_file_descriptor_set(DESCRIPTOR)
@@ -56,6 +58,7 @@ pub(crate) fn router(
         .add_service(robots.max_decoding_message_size(max_request_bytes))
         .add_service(plans.max_decoding_message_size(max_request_bytes))
         .add_service(dynamics.max_decoding_message_size(max_request_bytes))
+        .add_service(drives.max_decoding_message_size(max_request_bytes))
         .add_service(HealthServer::new(HealthService::from_health_reporter(
             health.reporter(),
         )))
@@ -91,6 +94,17 @@ const FRAME_HEAD_BYTES: usize = 5;
 fn admission_of<T>(request: &tonic::Request<T>) -> Result<Admission, Status> {
     let admission = request.extensions().get::<Admission>().cloned();
     admission.ok_or_else(|| Status::internal("the request has no place among those in work"))
+}
+
+/// Messages as they come in, and what they hold of the call's bytes.
+fn counted<T: prost::Message>(
+    messages: tonic::Streaming<T>,
+) -> impl Stream<Item = Result<(T, usize), ServiceError>> + Send {
+    messages.map(|message| {
+        let message = message.map_err(|status| ServiceError::from(Error::from_status(&status)))?;
+        let bytes = FRAME_HEAD_BYTES + message.encoded_len();
+        Ok((message, bytes))
+    })
 }
 
 /// Pieces on their way out.
@@ -153,11 +167,8 @@ methods!(v1::plan_service_server::PlanService {
             request: tonic::Request<tonic::Streaming<v1::PlanBatchRequest>>,
         ) -> Result<tonic::Response<Self::PlanBatchStream>, Status> {
             let (call, admission) = (call_of(&request)?, admission_of(&request)?);
-            let requests = request.into_inner().map(|request| {
-                let request = request.map_err(|status| ServiceError::from(Error::from_status(&status)))?;
-                let bytes = FRAME_HEAD_BYTES + prost::Message::encoded_len(&request);
-                Ok(Incoming { request: Ok(request), bytes })
-            });
+            let requests = counted(request.into_inner());
+            let requests = requests.map(|read| read.map(|(request, bytes)| Incoming { request: Ok(request), bytes }));
             Ok(respond_in_pieces(self.0.plan_batch(call, admission, requests)))
         }
 
@@ -176,4 +187,22 @@ methods!(v1::dynamics_service_server::DynamicsService {
     inverse_dynamics(InverseDynamicsRequest) -> InverseDynamicsResponse call;
     forward_kinematics(ForwardKinematicsRequest) -> ForwardKinematicsResponse call;
     inverse_kinematics(InverseKinematicsRequest) -> InverseKinematicsResponse call;
+});
+
+methods!(v1::drive_service_server::DriveService {
+    rehearse(RehearseRequest) -> RehearseResponse call;
+    {
+        type EstimateFrictionStream = Pieces<v1::EstimateFrictionResponse>;
+
+        async fn estimate_friction(
+            &self,
+            request: tonic::Request<tonic::Streaming<v1::EstimateFrictionRequest>>,
+        ) -> Result<tonic::Response<Self::EstimateFrictionStream>, Status> {
+            let (call, admission) = (call_of(&request)?, admission_of(&request)?);
+            let arrivals = counted(request.into_inner());
+            let arrivals = arrivals.map(|read| read.map(|(request, bytes)| Arrived { request: Ok(request), bytes }));
+            let feed = self.0.estimate_friction(call, admission, arrivals).await;
+            Ok(respond_in_pieces(feed.map_err(status_of)?))
+        }
+    }
 });

@@ -88,12 +88,17 @@ impl Http {
                     .await
             }
             Rpc::PlanBatch => self.plan_batch(request, id, call),
+            Rpc::EstimateFriction => self.estimate_friction(request, id, call).await,
             Rpc::StreamSetpoints => self.stream_setpoints(request, id, call).await,
             Rpc::CheckTrajectory => {
                 let message: v1::CheckTrajectoryRequest = self.json.read_for(request, id, call).await?;
                 self.json
                     .write(self.service.check_trajectory(call, message).await?, call)
                     .await
+            }
+            Rpc::Rehearse => {
+                let message: v1::RehearseRequest = self.json.read_for(request, id, call).await?;
+                self.json.write(self.service.rehearse(call, message).await?, call).await
             }
             Rpc::InverseDynamics => {
                 let message: v1::InverseDynamicsRequest = self.json.read_for(request, id, call).await?;

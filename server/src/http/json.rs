@@ -54,7 +54,7 @@ macro_rules! for_robot {
 
 for_robot!(
     RegisterRobotRequest PlanMoveRequest PlanPathRequest PlanBatchRequest StreamSetpointsRequest CheckTrajectoryRequest
-    InverseDynamicsRequest ForwardKinematicsRequest InverseKinematicsRequest
+    InverseDynamicsRequest ForwardKinematicsRequest InverseKinematicsRequest EstimateFrictionRequest RehearseRequest
 );
 
 impl Json {
