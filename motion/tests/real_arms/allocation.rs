@@ -1,5 +1,8 @@
 //! Nothing is allocated in a control loop: every function of the dynamics works in what its caller holds.
 
+use takt_motion::budget::Budget;
+use takt_motion::drive::estimate::{EstimatorMethod, EstimatorOptions, FrictionEstimator, FrictionLaw};
+use takt_motion::drive::telemetry::Telemetry;
 use takt_motion::dynamics::{self, Workspace};
 use takt_motion::kinematics;
 use takt_motion::nalgebra::{Isometry3, Vector3};
@@ -56,4 +59,45 @@ fn set_points_at_constant_speed_allocate_nothing() {
         points = circle.take(1000).chain(transition).map(std::hint::black_box).count();
     });
     assert_eq!((counted.count_total, points), (0, 1050));
+}
+
+#[test]
+fn estimating_friction_allocates_nothing_after_the_first_block() {
+    let resolved = example::description("ur5e").resolve().expect("an arm");
+    let robot = Robot::new(resolved.spec, resolved.warnings).expect("a robot");
+    let block = |from: f64| {
+        let times: Vec<f64> = (0..500).map(|index| from + 0.001 * f64::from(index)).collect();
+        let joints = times
+            .iter()
+            .flat_map(|time| (0..6).map(move |joint| (f64::from(joint), time)));
+        Telemetry {
+            output_position: joints.clone().map(|(joint, time)| (joint + 2.0 * time).sin()).collect(),
+            motor_torque: joints.map(|(joint, time)| (joint + time).cos()).collect(),
+            time: times,
+            ..Telemetry::default()
+        }
+    };
+    for method in [
+        EstimatorMethod::LeastSquares,
+        EstimatorMethod::Observer,
+        EstimatorMethod::Kalman,
+    ] {
+        let options = EstimatorOptions {
+            method,
+            law: FrictionLaw {
+                by_direction: true,
+                load: true,
+                quadratic: true,
+            },
+            ..EstimatorOptions::default()
+        };
+        let mut estimator = FrictionEstimator::new(robot.clone(), options).expect("options");
+        estimator.update(&block(0.0), &Budget::unlimited()).expect("a block");
+        let next = block(0.5);
+        let counted = allocation_counter::measure(|| {
+            estimator.update(&next, &Budget::unlimited()).expect("a block");
+        });
+        assert_eq!(counted.count_total, 0, "{method:?}");
+        assert!(estimator.report().joints.iter().all(|joint| joint.used_count > 100));
+    }
 }

@@ -5,7 +5,9 @@
 //! ```
 //!
 //! x₁ and x₂ are the exact derivatives of x₀. Torques, positions and velocities go through the same H, so that a balance that
-//! holds between the signals holds between the filtered ones wherever it is linear; all are late by 3/a at low frequencies. Between
+//! holds between the signals holds between the filtered ones wherever it is linear; all are late by 3/a at low frequencies. Where it
+//! is not, the filter's memory (variance 3/a²) leaves about ½·g''(q)·q̇²·3/a²: for 80 N m of gravity torque at 1.8 rad/s and
+//! 10 Hz 0.1 N m, a quarter of that at 20 Hz. Between
 //! samples a signal is a straight line, and for that the step is exact, whatever its length: with r the line's slope,
 //! the line itself, less the lag, solves the equation (x₀ = u − 3·r/a, x₁ = r, x₂ = 0), and what differs from it dies out as
 //! exp(A·Δ) = exp(−a·Δ)·(I + (A + aI)·Δ + (A + aI)²·Δ²/2).

@@ -1,0 +1,114 @@
+//! What a sample of a stream takes, ns a joint: median and fastest of many batches, one line each.
+//!
+//! ```text
+//! cargo bench --package takt-motion --bench estimator
+//! ```
+//!
+//! A UR5e at 1 kHz in blocks of 100 samples, all joints moving all the time. `torque_sensor` needs no dynamics on the
+//! motor's side, so that it is the estimator alone: filters, least squares or Kalman filter, evidence; `dynamics` is the same
+//! with positions and motor torques, from which the rigid body's torque has to be taken. As in `kernels.rs`, ratios are what
+//! to read.
+
+#![allow(clippy::print_stdout, reason = "a program that prints a table")]
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use takt_motion::budget::Budget;
+use takt_motion::drive::estimate::{EstimatorMethod, EstimatorOptions, FrictionEstimator, FrictionLaw, FrictionSide};
+use takt_motion::drive::telemetry::Telemetry;
+use takt_motion::robot::Robot;
+
+#[path = "../tests/real_arms/example.rs"]
+mod example;
+
+const JOINTS: usize = 6;
+
+/// Samples of a block.
+const SAMPLES: usize = 100;
+
+/// Blocks of a recording: two seconds before it starts anew.
+const BLOCKS: usize = 20;
+
+const BATCHES: usize = 300;
+
+fn main() {
+    let resolved = example::description("ur5e").resolve().expect("the example is sound");
+    let robot = Robot::new(resolved.spec, resolved.warnings).expect("the example is sound");
+    let rich = FrictionLaw {
+        by_direction: true,
+        load: true,
+        quadratic: true,
+    };
+    for (method_name, method) in [
+        ("least_squares", EstimatorMethod::LeastSquares),
+        ("observer", EstimatorMethod::Observer),
+        ("kalman", EstimatorMethod::Kalman),
+    ] {
+        for (law_name, law) in [("2_terms", FrictionLaw::default()), ("5_terms", rich)] {
+            for (source, side) in [
+                ("torque_sensor", FrictionSide::Motor),
+                ("dynamics", FrictionSide::Total),
+            ] {
+                // the load's friction needs the gravity torque, and so the dynamics, whatever the source
+                if law.load && side == FrictionSide::Motor {
+                    continue;
+                }
+                let options = EstimatorOptions {
+                    method,
+                    side,
+                    law,
+                    ..EstimatorOptions::default()
+                };
+                measure(&format!("{method_name}/{law_name}/{source}"), &robot, options);
+            }
+        }
+        let options = EstimatorOptions {
+            method,
+            side: FrictionSide::Motor,
+            law: FrictionLaw { load: false, ..rich },
+            ..EstimatorOptions::default()
+        };
+        measure(&format!("{method_name}/4_terms/torque_sensor"), &robot, options);
+    }
+}
+
+/// One direction without end, at a speed that changes: nothing is skipped.
+fn block(from: usize, sensor: bool) -> Telemetry {
+    let times: Vec<f64> = (0..SAMPLES).map(|index| 0.001 * (from + index) as f64).collect();
+    let joints = times
+        .iter()
+        .flat_map(|&time| (0..JOINTS).map(move |joint| (joint as f64, time)));
+    let torques: Vec<f64> = joints.clone().map(|(joint, time)| (joint + 5.0 * time).cos()).collect();
+    Telemetry {
+        output_position: joints
+            .map(|(joint, time)| joint + time + 0.1 * (3.0 * time).sin())
+            .collect(),
+        transmission_torque: if sensor { torques.clone() } else { Vec::new() },
+        motor_torque: torques,
+        time: times,
+        ..Telemetry::default()
+    }
+}
+
+fn measure(name: &str, robot: &Robot, options: EstimatorOptions) {
+    let sensor = options.side == FrictionSide::Motor;
+    let mut estimator = FrictionEstimator::new(robot.clone(), options).expect("the options are sound");
+    let mut times = Vec::with_capacity(BATCHES);
+    for round in 0..BATCHES.div_ceil(BLOCKS) {
+        let blocks: Vec<Telemetry> = (0..BLOCKS)
+            .map(|index| block((round * BLOCKS + index) * SAMPLES, sensor))
+            .collect();
+        for block in &blocks {
+            let began = Instant::now();
+            estimator
+                .update(black_box(block), &Budget::unlimited())
+                .expect("the block is sound");
+            times.push(began.elapsed().as_nanos() as f64 / (SAMPLES * JOINTS) as f64);
+        }
+    }
+    let used = estimator.report().joints[0].used_count;
+    assert!(used > 29_000, "only {used} samples were used");
+    times.sort_by(f64::total_cmp);
+    println!("{name} {:.1} {:.1}", times[times.len() / 2], times[0]);
+}
