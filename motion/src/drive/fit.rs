@@ -10,5 +10,23 @@
 //!
 //! What is wrong with the input is an error with field paths; data that cannot tell give an answer that says what is missing.
 
+pub mod assess;
+pub mod motion;
 pub mod recording;
 pub mod report;
+
+mod deflect;
+mod design;
+mod excitation;
+mod filter;
+mod linear;
+mod normal;
+mod payload;
+mod pose;
+mod pseudo;
+mod signals;
+mod solve;
+mod student;
+mod uncertain;
+mod unknowns;
+mod validate;

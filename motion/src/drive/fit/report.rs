@@ -58,7 +58,7 @@ pub struct MotionFit {
     pub ridge: Option<f64>,
     /// How many parameters the motion determines more than what was known before: at most as many as are fitted.
     pub determined: f64,
-    /// Samples of the fit, and stretches of the cross-validation.
+    /// Samples of the fit.
     pub sample_count: usize,
     /// Stretches that were left out in turn.
     pub fold_count: usize,
