@@ -214,6 +214,33 @@ fn friction_acts_from_the_first_moment_on() {
 }
 
 #[test]
+fn a_first_torque_without_friction_is_found() {
+    // Up from rest at 4/3 m/s²: 12 kg and the 2 kg above it, and 5 N of friction from the first moment on.
+    let lifts = Lifts::trapezoidal();
+    let odd = |torque: f64| {
+        let mut plan = lifts.plan();
+        lifts::column(&mut plan, LOWER).torque[0] += torque;
+        let faults = lifts.recheck(&plan).faults;
+        faults
+            .iter()
+            .any(|fault| (fault.kind, fault.index) == (FaultKind::TorqueColumn, LOWER))
+    };
+    assert!(!odd(0.0));
+    assert!(odd(-5.0));
+    assert!(odd(-8.0));
+    // Against a jerk limit the first acceleration is none: friction as the arm sets out, or none before; never the other.
+    let lifts = Lifts::new();
+    let odd = |torque: f64| {
+        let mut plan = lifts.plan();
+        lifts::column(&mut plan, LOWER).torque[0] += torque;
+        !lifts.recheck(&plan).faults.is_empty()
+    };
+    assert!(!odd(0.0));
+    assert!(!odd(-5.0));
+    assert!(odd(-8.0));
+}
+
+#[test]
 fn a_pose_that_cannot_be_held_is_found() {
     // Things fall upwards: going there, friction carries part of the load; while it dwells, it does not.
     let mut lifts = Lifts::new();

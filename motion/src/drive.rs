@@ -1,8 +1,8 @@
 //! Drives: friction that is estimated and fitted from telemetry, transmissions that flex, the controller that uses both, and
 //! its rehearsal on a simulated arm.
 //!
-//! One joint with an elastic transmission, seen from its output side ("controlling a robot arm based on adaptive friction", eq 1 to 14; q: output position,
-//! Θ: motor position over the gear ratio, Φ = Θ − q: deformation):
+//! One joint with an elastic transmission, seen from its output side ("controlling a robot arm based on adaptive
+//! friction", eq 1 to 14; q: output position, Θ: motor position over the gear ratio, Φ = Θ − q: deformation):
 //!
 //! ```text
 //! τJ     = τE(Φ) + D·Φ̇               τE(Φ) = Σ kⱼ·Φ^(2j−1)

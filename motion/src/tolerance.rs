@@ -724,7 +724,7 @@ pub(crate) const KINK_FLOOR: f64 = 1.0e-9;
 /// Part of a stretch that separates two kinks, or one from its end: closer, what is between them takes less than the floor.
 pub(crate) const KINK_APART: f64 = 1.0e-9;
 
-/// Steps of the regula falsi on a zero of the load; from samples that resolve it, six to ten do.
+/// Steps of the regula falsi on a zero of the load; from samples that resolve it, six to ten do. What is reached then is taken.
 pub(crate) const KINK_ROUNDS: usize = 40;
 
 /// Parabolas that follow a load that dips towards zero between samples, before it is taken not to reach it.
@@ -844,3 +844,10 @@ pub(crate) const POSE_CHANCE_DEVIATIONS: f64 = 3.0;
 
 /// How many times as large the error on unseen stretches may be as on fitted ones before it is said.
 pub(crate) const UNSEEN_ERROR_RATIO: f64 = 2.0;
+/// Path speed that is rest at an end of a path, as part of the mean speed: the root of a place's rounding.
+pub(crate) const PATH_AT_REST: f64 = 1.0e-6;
+
+/// How far inside a path, as part of its length, its derivative says in which direction a joint sets out or arrives. Where
+/// q′ is zero at the end itself, what is there is rounding; this far inside, q″ shows through it. A joint that turns back
+/// nearer to the end moves by the square of this before it does: 1e-12 rad, at which it counts as standing.
+pub(crate) const PATH_DEPARTURE: f64 = 1.0e-6;

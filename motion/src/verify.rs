@@ -16,6 +16,7 @@ use crate::dynamics::sweep::Sweep;
 use crate::plan::outcome::OverrideSafety;
 use crate::tolerance::{INTERVALS_MIN, KINK_FLOOR, SAMPLE_TRAVEL};
 use crate::trajectory::{Trajectory, evaluate};
+use kinks::Search;
 
 /// What a motion asks of the drives.
 #[derive(Debug, Clone)]
@@ -128,16 +129,6 @@ impl Verifier {
         motion: &Trajectory,
     ) -> Verification {
         let directions = directions(motion);
-        let mut stretches = whole_segments(motion);
-        self.sample(chain, motion, &stretches);
-        if any_loaded(drives)
-            && let Some(divided) = self.divided(chain, drives, motion, &directions, &stretches)
-        {
-            stretches = divided;
-            self.sample(chain, motion, &stretches);
-        }
-        self.add_drives(drives, motion, &directions, &stretches);
-        let mut joints = self.demands(motion, &stretches);
         let context = extreme::Context {
             chain,
             drives,
@@ -145,6 +136,16 @@ impl Verifier {
             motion,
             directions: &directions,
         };
+        let mut stretches = whole_segments(motion);
+        self.sample(chain, motion, &stretches);
+        if any_loaded(drives)
+            && let Some(divided) = self.divided(&context, &stretches)
+        {
+            stretches = divided;
+            self.sample(chain, motion, &stretches);
+        }
+        self.add_drives(drives, motion, &directions, &stretches);
+        let mut joints = self.demands(motion, &stretches);
         let peaks = extreme::find(&context, self, &stretches, &mut joints);
         let points = self.points(&context, &stretches, &peaks);
         let override_safe = overrides::worst(&context, &mut self.refine, &points);
@@ -174,46 +175,44 @@ impl Verifier {
     }
 
     /// The stretches, divided where the load of a moving joint's friction passes zero; `None` where none does.
-    fn divided(
-        &mut self,
-        chain: &Chain,
-        drives: &[DriveTerms],
-        motion: &Trajectory,
-        directions: &[f64],
-        stretches: &[Stretch],
-    ) -> Option<Vec<Stretch>> {
-        let count = drives.len();
-        let Self { sweep, refine, .. } = self;
+    fn divided(&mut self, context: &extreme::Context<'_>, stretches: &[Stretch]) -> Option<Vec<Stretch>> {
+        let sweep = &self.sweep;
         let floor = KINK_FLOOR
             * sweep
                 .gravity
                 .iter()
                 .fold(0.0, |most: f64, gravity| most.max(gravity.abs()));
-        let mut divided = Vec::with_capacity(2 * stretches.len());
-        for stretch in stretches {
-            let polynomials = motion.segment(stretch.segment);
+        let mut cuts = vec![Vec::new(); stretches.len()];
+        // of which stretch, of which joint
+        let mut searches: Vec<(usize, usize, Search)> = Vec::new();
+        for (index, stretch) in stretches.iter().enumerate() {
             let times: Vec<f64> = (0..=stretch.intervals).map(|k| stretch.local(k)).collect();
-            let mut cuts = Vec::new();
-            for (joint, drive) in drives.iter().enumerate() {
-                if drive.load_coulomb == 0.0 || directions[stretch.segment * count + joint] == 0.0 {
-                    continue;
-                }
+            for joint in context.loaded(stretch.segment) {
                 let gravity = stretch.of(&sweep.gravity[sweep.column(joint)..]);
-                cuts.extend(kinks::zeros(&times, gravity, floor, &mut |time| {
-                    refine.reset(count, 1);
-                    refine.set(0, polynomials, time);
-                    refine.compute(chain);
-                    refine.gravity[refine.column(joint)]
-                }));
+                let begun = Search::begin(&times, gravity, floor, &mut cuts[index]);
+                searches.extend(begun.into_iter().map(|search| (index, joint, search)));
             }
-            cuts.sort_by(f64::total_cmp);
+        }
+        while !searches.is_empty() {
+            let moments: Vec<(usize, f64)> = searches
+                .iter()
+                .map(|(index, _, search)| (stretches[*index].segment, search.probe()))
+                .collect();
+            context.compute_at(&mut self.refine, &moments);
+            let looked = std::mem::take(&mut searches);
+            for (sample, (index, joint, search)) in looked.into_iter().enumerate() {
+                let gravity = self.refine.gravity[self.refine.column(joint) + sample];
+                let next = search.step(gravity, floor, &mut cuts[index]);
+                searches.extend(next.into_iter().flatten().map(|search| (index, joint, search)));
+            }
+        }
+        let mut divided = Vec::with_capacity(stretches.len());
+        for (stretch, mut cuts) in stretches.iter().zip(cuts) {
+            kinks::keep_apart(&mut cuts, stretch.from, stretch.to);
             let mut from = stretch.from;
             for to in cuts.into_iter().chain([stretch.to]) {
-                // two joints' loads may pass zero at once
-                if to > from {
-                    push_stretch(&mut divided, motion, stretch.segment, [from, to]);
-                    from = to;
-                }
+                push_stretch(&mut divided, context.motion, stretch.segment, [from, to]);
+                from = to;
             }
         }
         (divided.len() > stretches.len()).then_some(divided)

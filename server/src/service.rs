@@ -20,7 +20,7 @@ use crate::{
     compute::{self, Subject},
     config::Limits,
     error::ServiceError,
-    planner::{Pool, Timing},
+    planner::{Length, Pool, Timing},
     registry::{
         Compiled, Registry, no_revision, no_robot,
         store::{Sequence, check_expected},
@@ -80,7 +80,7 @@ const LARGEST_PAGE: u32 = 1000;
 
 /// One calculation on the planner's threads about one robot.
 macro_rules! calculation {
-    ($(#[$doc:meta])* $name:ident: $request:ident -> $response:ident) => {
+    ($(#[$doc:meta])* $name:ident: $request:ident -> $response:ident, $length:path) => {
         $(#[$doc])*
         pub(crate) async fn $name(
             self: &Arc<Self>,
@@ -88,11 +88,12 @@ macro_rules! calculation {
             request: v1::$request,
         ) -> Result<Answer<v1::$response>, ServiceError> {
             let subject = self.subject(call, &request.robot_id, request.revision.as_deref()).await?;
+            let length = $length(&request);
             let service = Arc::clone(self);
             let job = move |budget: &Budget<'_>| {
                 compute::$name(request, subject, &service.limits, call.deadline, budget)
             };
-            let (message, timing) = self.run(call, job).await?;
+            let (message, timing) = self.run(call, length, job).await?;
             Ok(answer(message, timing))
         }
     };
@@ -109,23 +110,23 @@ impl Service {
     }
 
     /// Runs a calculation for a call on the planner's threads.
-    pub(crate) async fn run<T, J>(&self, call: Call, job: J) -> Result<(T, Timing), ServiceError>
+    pub(crate) async fn run<T, J>(&self, call: Call, length: Length, job: J) -> Result<(T, Timing), ServiceError>
     where
         T: Send + 'static,
         J: FnOnce(&Budget<'_>) -> Result<T, ServiceError> + Send + 'static,
     {
         match call.in_turn {
-            true => self.planner.run_in_turn(call.deadline, job).await,
-            false => self.planner.run(call.deadline, job).await,
+            true => self.planner.run_in_turn(call.deadline, length, job).await,
+            false => self.planner.run(call.deadline, length, job).await,
         }
     }
 
-    calculation!(plan_move: PlanMoveRequest -> PlanMoveResponse);
-    calculation!(plan_path: PlanPathRequest -> PlanPathResponse);
-    calculation!(check_trajectory: CheckTrajectoryRequest -> CheckTrajectoryResponse);
-    calculation!(inverse_dynamics: InverseDynamicsRequest -> InverseDynamicsResponse);
-    calculation!(forward_kinematics: ForwardKinematicsRequest -> ForwardKinematicsResponse);
-    calculation!(inverse_kinematics: InverseKinematicsRequest -> InverseKinematicsResponse);
+    calculation!(plan_move: PlanMoveRequest -> PlanMoveResponse, length_of_move);
+    calculation!(plan_path: PlanPathRequest -> PlanPathResponse, any_length);
+    calculation!(check_trajectory: CheckTrajectoryRequest -> CheckTrajectoryResponse, any_length);
+    calculation!(inverse_dynamics: InverseDynamicsRequest -> InverseDynamicsResponse, any_length);
+    calculation!(forward_kinematics: ForwardKinematicsRequest -> ForwardKinematicsResponse, any_length);
+    calculation!(inverse_kinematics: InverseKinematicsRequest -> InverseKinematicsResponse, any_length);
 
     /// Checks a description and keeps it.
     pub(crate) async fn register_robot(
@@ -136,7 +137,7 @@ impl Service {
         let id = robot_id(&request.robot_id);
         let description = request.description;
         let job = move |_: &Budget<'_>| compute::register(id, description);
-        let ((id, compiled, record, summary), timing) = self.run(call, job).await?;
+        let ((id, compiled, record, summary), timing) = self.run(call, Length::Any, job).await?;
         Span::current().record("robot", id.as_str());
         Span::current().record("revision", &*compiled.revision);
         if request.validate_only.unwrap_or(false) {
@@ -272,11 +273,23 @@ impl Service {
     async fn compiled(&self, call: Call, id: &RobotId, revision: Option<&str>) -> Result<Arc<Compiled>, ServiceError> {
         let compile = |record| {
             let job = move |_: &Budget<'_>| compute::compile_stored(&record);
-            let compiling = self.run(call, job);
+            let compiling = self.run(call, Length::Any, job);
             async move { Ok(compiling.await?.0) }.boxed()
         };
         self.registry.compiled(id, revision, compile).await
     }
+}
+
+/// A move takes some ten microseconds; its set-points take as long as there are many of them.
+fn length_of_move(request: &v1::PlanMoveRequest) -> Length {
+    match (request.sample_period_s, request.trace_points) {
+        (None, None) => Length::Brief,
+        _ => Length::Any,
+    }
+}
+
+fn any_length<T>(_: &T) -> Length {
+    Length::Any
 }
 
 fn answer<T>(message: T, timing: Timing) -> Answer<T> {

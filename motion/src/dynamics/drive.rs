@@ -65,7 +65,14 @@ impl DriveTerms {
     /// Friction torque at a joint speed, under a gravity torque.
     #[inline]
     pub(crate) fn friction(&self, velocity: f64, gravity: f64) -> f64 {
-        self.viscous * velocity + self.drag(velocity) + self.coulomb(velocity, gravity)
+        self.friction_towards(velocity, velocity, gravity)
+    }
+
+    /// Friction torque at a joint speed, of a motion in a direction: that of the motion just after or just before, where
+    /// the speed is 0.
+    #[inline]
+    pub(crate) fn friction_towards(&self, velocity: f64, direction: f64, gravity: f64) -> f64 {
+        self.viscous * velocity + self.drag(velocity) + self.coulomb(direction, gravity)
     }
 }
 

@@ -53,6 +53,8 @@ pub(super) struct Sampler<'a> {
     /// Where the arm stands after each stroke.
     rests: Vec<Vec<f64>>,
     sweep: Sweep,
+    /// Which way the joints move, laid out as the sweep's columns are.
+    directions: Vec<f64>,
     pub(super) state: State,
     setpoints: PathSetpoints,
 }
@@ -66,6 +68,7 @@ impl<'a> Sampler<'a> {
             start: &request.start,
             rests: runs.iter().map(|run| run.rest(request)).collect(),
             sweep: Sweep::default(),
+            directions: Vec::new(),
             state: State::new(count),
             setpoints: PathSetpoints {
                 samples: Setpoints {
@@ -81,6 +84,7 @@ impl<'a> Sampler<'a> {
     fn block(&mut self, times: &[f64]) {
         let count = self.problem.robot.joint_count();
         self.sweep.reset(count, times.len());
+        self.directions.resize(self.sweep.column(count), 0.0);
         for (sample, time) in times.iter().enumerate() {
             let location = self.set(*time);
             let state = &self.state;
@@ -98,6 +102,7 @@ impl<'a> Sampler<'a> {
                 self.sweep.position[entry] = state.position[joint];
                 self.sweep.velocity[entry] = state.velocity[joint];
                 self.sweep.acceleration[entry] = state.acceleration[joint];
+                self.directions[entry] = state.direction[joint];
             }
         }
         self.sweep.compute(self.problem.robot.chain());
@@ -109,7 +114,8 @@ impl<'a> Sampler<'a> {
                 columns.position.push(self.sweep.position[entry]);
                 columns.velocity.push(velocity);
                 columns.acceleration.push(acceleration);
-                let drives = drive.armature * acceleration + drive.friction(velocity, self.sweep.gravity[entry]);
+                let friction = drive.friction_towards(velocity, self.directions[entry], self.sweep.gravity[entry]);
+                let drives = drive.armature * acceleration + friction;
                 columns.torque.push(self.sweep.torque[entry] + drives);
             }
         }

@@ -1,5 +1,6 @@
 mod arc;
 mod constant;
+mod friction;
 mod hostile;
 mod joint;
 mod mixed;

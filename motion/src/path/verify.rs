@@ -27,7 +27,7 @@ use crate::plan::outcome::OverrideSafety;
 use crate::robot::Robot;
 use crate::timing::law::TimeLaw;
 use crate::timing::limits::{Limits, Stretch};
-use crate::tolerance::{KINK_FLOOR, REFINE_GAIN};
+use crate::tolerance::{KINK_FLOOR, PATH_AT_REST, REFINE_GAIN};
 use crate::verify::{JointDemand, Point, kinks, overrides};
 use channels::{Channels, fill};
 pub(super) use state::State;
@@ -50,9 +50,6 @@ const SPLIT_BEND: f64 = 0.02;
 
 /// Smallest scale of a joint's acceleration without a limit, as part of the largest of all: below is rounding.
 const SPLIT_FLOOR: f64 = 1.0e-3;
-
-/// Path speed that is rest at an end, as part of the mean speed: the root of a place's rounding.
-const AT_REST: f64 = 1.0e-6;
 
 /// Most times an interval is halved, and most intervals of a block after it: they bound the work.
 const SPLIT_ROUNDS: usize = 8;
@@ -140,6 +137,8 @@ struct Examiner<'a> {
     torque: Vec<f64>,
     gravity: Vec<f64>,
     workspace: Workspace,
+    /// Which way the joints move at the samples of a block, laid out as the sweep's columns are.
+    directions: Vec<f64>,
     /// Values of every limit at the samples of a block, sample by sample.
     values: Vec<f64>,
     places: Vec<f64>,
@@ -167,6 +166,7 @@ impl<'a> Examiner<'a> {
             torque: vec![0.0; count],
             gravity: vec![0.0; count],
             workspace: Workspace::new(robot),
+            directions: Vec::new(),
             values: Vec::new(),
             places: Vec::new(),
             times: Vec::new(),
@@ -293,6 +293,7 @@ impl<'a> Examiner<'a> {
         let bounds_tool = self.timed.limits.bound_the_tool();
         let channels = self.channels.count();
         self.sweep.reset(count, samples);
+        self.directions.resize(self.sweep.column(count), 0.0);
         self.values.clear();
         self.values.resize(samples * channels, 0.0);
         self.places.clear();
@@ -300,13 +301,14 @@ impl<'a> Examiner<'a> {
         for (interval, ends) in breaks.windows(2).enumerate() {
             for part in 0..=PARTS {
                 let sample = interval * (PARTS + 1) + part;
-                let (time, side) = moment(ends, part);
+                let (time, side) = self.moment(ends, part);
                 self.state.set(self.timed.curve, self.timed.law, time, side);
                 for joint in 0..count {
                     let entry = self.sweep.column(joint) + sample;
                     self.sweep.position[entry] = self.state.position[joint];
                     self.sweep.velocity[entry] = self.state.velocity[joint];
                     self.sweep.acceleration[entry] = self.state.acceleration[joint];
+                    self.directions[entry] = self.state.direction[joint];
                 }
                 let tool = bounds_tool.then(|| self.tool());
                 fill(
@@ -317,6 +319,19 @@ impl<'a> Examiner<'a> {
                 self.places.push(self.state.s);
                 self.times.push(time);
             }
+        }
+    }
+
+    /// When an interval is sampled, and from which side: at both its ends from within, which at those of the whole motion
+    /// is at the ends themselves.
+    fn moment(&self, ends: &[f64], part: usize) -> (f64, Side) {
+        let length = ends[1] - ends[0];
+        match part {
+            0 if ends[0] <= 0.0 => (0.0, Side::After),
+            0 => (ends[0] + INSIDE * length, Side::After),
+            PARTS if ends[1] >= self.timed.law.duration() => (ends[1], Side::Before),
+            PARTS => (ends[1] - INSIDE * length, Side::Before),
+            _ => (ends[0] + length * part as f64 / PARTS as f64, Side::After),
         }
     }
 
@@ -347,7 +362,7 @@ impl<'a> Examiner<'a> {
                     segment: 0,
                     dynamic: self.sweep.torque[entry] - gravity + drive.armature * acceleration + drive.drag(velocity),
                     viscous: drive.viscous * velocity,
-                    still: gravity + drive.coulomb(velocity, gravity),
+                    still: gravity + drive.coulomb(self.directions[entry], gravity),
                     gravity,
                 };
                 let torque = point.torque(1.0);
@@ -484,21 +499,13 @@ impl<'a> Examiner<'a> {
 
     /// The value of one channel at one time.
     fn value_at(&mut self, channel: usize, time: f64) -> f64 {
-        self.state.set(self.timed.curve, self.timed.law, time, Side::After);
         let (kind, joint) = self.channels.of(channel);
+        if let (PathLimit::Torque, Some(joint)) = (kind, joint) {
+            return self.torque_at(joint, time);
+        }
+        self.state.set(self.timed.curve, self.timed.law, time, Side::After);
         let state = &self.state;
         match (kind, joint) {
-            (PathLimit::Torque, Some(joint)) => {
-                dynamics::drive_torque(
-                    self.robot,
-                    &mut self.workspace,
-                    &state.position,
-                    &state.velocity,
-                    &state.acceleration,
-                    &mut self.torque,
-                );
-                self.torque[joint]
-            }
             (PathLimit::Velocity, Some(joint)) => state.velocity[joint],
             (PathLimit::Acceleration, Some(joint)) => state.acceleration[joint],
             (PathLimit::Jerk, Some(joint)) => state.jerk[joint],
@@ -508,6 +515,28 @@ impl<'a> Examiner<'a> {
         }
     }
 
+    /// The torque of a drive at one time, friction against the way that the joint moves.
+    fn torque_at(&mut self, joint: usize, time: f64) -> f64 {
+        self.state.set(self.timed.curve, self.timed.law, time, Side::After);
+        let state = &self.state;
+        let (velocity, acceleration) = (state.velocity[joint], state.acceleration[joint]);
+        dynamics::rigid_torque(
+            self.robot,
+            &mut self.workspace,
+            &state.position,
+            &state.velocity,
+            &state.acceleration,
+            &mut self.torque,
+        );
+        // stays zero where no friction depends on it
+        if self.robot.is_loaded() {
+            dynamics::gravity_torque(self.robot, &mut self.workspace, &state.position, &mut self.gravity);
+        }
+        let drive = self.robot.drives()[joint];
+        let friction = drive.friction_towards(velocity, state.direction[joint], self.gravity[joint]);
+        self.torque[joint] + drive.armature * acceleration + friction
+    }
+
     /// Where a joint turns back between two samples, friction acts first against one direction, then against the other.
     fn turning(&mut self, joint: usize, first: usize, stretch: &Stretch) {
         let Some(limit) = stretch.joints[joint].torque else {
@@ -515,24 +544,23 @@ impl<'a> Examiner<'a> {
         };
         let drive = self.robot.drives()[joint];
         for sample in first..first + PARTS {
-            let column = self.sweep.column(joint);
-            let (before, after) = (
-                self.sweep.velocity[column + sample],
-                self.sweep.velocity[column + sample + 1],
-            );
-            if before * after >= 0.0 {
+            let entry = self.sweep.column(joint) + sample;
+            if self.directions[entry] * self.directions[entry + 1] >= 0.0 {
                 continue;
             }
-            let part = before / (before - after);
+            let (before, after) = (self.sweep.velocity[entry], self.sweep.velocity[entry + 1]);
+            let part = if before == after {
+                0.5
+            } else {
+                before / (before - after)
+            };
             let time = self.times[sample] + part * (self.times[sample + 1] - self.times[sample]);
-            let channel = Channels::torque(joint);
-            let torque = self.value_at(channel, time);
-            dynamics::gravity_torque(self.robot, &mut self.workspace, &self.state.position, &mut self.gravity);
+            let torque = self.torque_at(joint, time);
             let gravity = self.gravity[joint];
-            let torque = torque - drive.coulomb(self.state.velocity[joint], gravity);
+            let torque = torque - drive.coulomb(self.state.direction[joint], gravity);
             for direction in [1.0, -1.0] {
                 let found = (torque + drive.coulomb(direction, gravity), time, self.state.s);
-                self.keep(channel, limit, found);
+                self.keep(Channels::torque(joint), limit, found);
             }
         }
     }
@@ -541,7 +569,7 @@ impl<'a> Examiner<'a> {
     fn hold(&mut self) {
         let duration = self.timed.law.duration();
         let limits = self.timed.limits;
-        let slow = AT_REST * self.timed.curve.length();
+        let slow = PATH_AT_REST * self.timed.curve.length();
         for (time, side) in [(0.0, Side::After), (duration, Side::Before)] {
             if self.timed.law.at(time).velocity * duration > slow {
                 continue;
@@ -583,8 +611,7 @@ impl<'a> Examiner<'a> {
     /// A torque by how it scales with speed.
     fn split(&mut self, tightest: &Tightest) -> Option<Point> {
         let joint = tightest.joint?;
-        let channel = Channels::torque(joint);
-        let total = self.value_at(channel, tightest.time - self.timed.begin);
+        let total = self.torque_at(joint, tightest.time - self.timed.begin);
         dynamics::gravity_torque(self.robot, &mut self.workspace, &self.state.position, &mut self.gravity);
         let gravity = self.gravity[joint];
         let drive = self.robot.drives()[joint];
@@ -603,7 +630,7 @@ impl<'a> Examiner<'a> {
         }
         let viscous = drive.viscous * velocity;
         // friction may act the other way than at the sample, where the joint turns back just there
-        let coulomb = tightest.value - total + drive.coulomb(velocity, gravity);
+        let coulomb = tightest.value - total + drive.coulomb(self.state.direction[joint], gravity);
         Some(Point {
             joint,
             time: tightest.time,
@@ -613,16 +640,6 @@ impl<'a> Examiner<'a> {
             still: gravity + coulomb,
             gravity,
         })
-    }
-}
-
-/// When an interval is sampled, and from which side.
-fn moment(ends: &[f64], part: usize) -> (f64, Side) {
-    let length = ends[1] - ends[0];
-    match part {
-        0 => (ends[0] + INSIDE * length, Side::After),
-        PARTS => (ends[1] - INSIDE * length, Side::Before),
-        _ => (ends[0] + length * part as f64 / PARTS as f64, Side::After),
     }
 }
 

@@ -309,6 +309,15 @@ impl Context<'_> {
         sweep.compute(self.chain);
     }
 
+    /// The joints that move in a segment and whose friction depends on their load.
+    pub(super) fn loaded(&self, segment: usize) -> impl Iterator<Item = usize> {
+        let directions = &self.directions[segment * self.drives.len()..];
+        let loaded = move |(joint, drive): (usize, &DriveTerms)| {
+            (drive.load_coulomb != 0.0 && directions[joint] != 0.0).then_some(joint)
+        };
+        self.drives.iter().enumerate().filter_map(loaded)
+    }
+
     /// Total torque of a joint at a sample of a sweep.
     pub(super) fn torque(&self, sweep: &Sweep, sample: usize, segment: usize, joint: usize) -> f64 {
         self.point(sweep, sample, segment, joint, 0.0).torque(1.0)

@@ -2,97 +2,162 @@
 //! through samples follows.
 //!
 //! Between samples of opposite sign the zero is found by the regula falsi, Illinois variant (Dowell and Jarratt 1971). Where
-//! three of one sign dip towards zero, the parabola through them says where to look for a sign change in between.
+//! three of one sign dip towards zero, the parabola through them says where to look for a sign change in between. A search
+//! says where it looks next and is told what is there, so that many can look at once.
 
 use crate::tolerance::{KINK_APART, KINK_DIP_ROUNDS, KINK_ROUNDS};
 
 /// A moment and the value there.
 type At = (f64, f64);
 
-/// Where a function passes zero, strictly between the first and the last of its samples, in increasing order. Values within
-/// `floor` of zero are as good as zero: a function that stays there passes nowhere.
+/// A search for one zero, or for two in a dip.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Search {
+    bracket: Bracket,
+    /// Where it looks next.
+    probe: f64,
+    round: usize,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Bracket {
+    /// Two moments of opposite sign; whether the first was kept by the last step.
+    Crossing { ends: [At; 2], kept: bool },
+    /// Three moments of one sign, the middle one closest to zero.
+    Dip([At; 3]),
+}
+
+impl Search {
+    /// The searches for the zeros of a function known at samples. Values within `floor` of zero are as good as zero: a
+    /// function that stays there passes nowhere. What is found at once goes to `found`.
+    pub(crate) fn begin(times: &[f64], values: &[f64], floor: f64, found: &mut Vec<f64>) -> Vec<Self> {
+        let at = |k: usize| (times[k], values[k]);
+        let mut searches = Vec::new();
+        for k in 1..values.len() {
+            searches.extend(Self::crossing([at(k - 1), at(k)], floor));
+        }
+        for k in 1..values.len().saturating_sub(1) {
+            if values[k] == 0.0 && values[k - 1] * values[k + 1] < 0.0 {
+                found.push(times[k]);
+            }
+            searches.extend(Self::dip([at(k - 1), at(k), at(k + 1)], 0, floor));
+        }
+        searches
+    }
+
+    /// Where to look next.
+    pub(crate) fn probe(&self) -> f64 {
+        self.probe
+    }
+
+    /// Goes on with the value at the probe: what is still to be searched for, and what is found.
+    pub(crate) fn step(self, value: f64, floor: f64, found: &mut Vec<f64>) -> [Option<Self>; 2] {
+        let here = (self.probe, value);
+        match self.bracket {
+            Bracket::Crossing { ends, kept } => [self.closer(ends, kept, here, floor, found), None],
+            Bracket::Dip(three) => self.deeper(three, here, floor),
+        }
+    }
+
+    /// Between two moments, if the values have opposite signs that mean something.
+    fn crossing(ends: [At; 2], floor: f64) -> Option<Self> {
+        let [a, b] = ends;
+        if a.1 * b.1 >= 0.0 || a.1.abs().max(b.1.abs()) <= floor {
+            return None;
+        }
+        Some(Self {
+            bracket: Bracket::Crossing { ends, kept: false },
+            probe: falsi(ends),
+            round: 0,
+        })
+    }
+
+    fn closer(&self, ends: [At; 2], kept: bool, here: At, floor: f64, found: &mut Vec<f64>) -> Option<Self> {
+        if here.1.abs() <= floor || self.round + 1 == KINK_ROUNDS {
+            found.push(here.0);
+            return None;
+        }
+        let [mut a, b] = ends;
+        let (ends, kept) = if here.1 * b.1 < 0.0 {
+            ([b, here], false)
+        } else {
+            // the same end twice: its value is halved, so that the next line crosses on its side
+            if kept {
+                a.1 *= 0.5;
+            }
+            ([a, here], true)
+        };
+        Some(Self {
+            bracket: Bracket::Crossing { ends, kept },
+            probe: falsi(ends),
+            round: self.round + 1,
+        })
+    }
+
+    /// In three moments of one sign, if the parabola through them comes close to zero.
+    fn dip(three: [At; 3], round: usize, floor: f64) -> Option<Self> {
+        let [(t0, v0), (t1, v1), (t2, v2)] = three;
+        let sign = v1.signum();
+        let [v0, v1, v2] = [v0, v1, v2].map(|value| sign * value);
+        if v1 <= floor || v0 < v1 || v2 < v1 {
+            return None;
+        }
+        let (left, right) = ((v1 - v0) / (t1 - t0), (v2 - v1) / (t2 - t1));
+        let curvature = (right - left) / (t2 - t0);
+        let probe = 0.5 * (t0 + t1) - 0.5 * left / curvature;
+        let lowest = v0 + (probe - t0) * (left + curvature * (probe - t1));
+        // a parabola that stays that high stands for a load that does not come down to zero
+        let stays = round == 0 && lowest > 0.5 * v1;
+        if !(probe > t0 && probe < t2) || probe == t1 || stays || round == KINK_DIP_ROUNDS {
+            return None;
+        }
+        Some(Self {
+            bracket: Bracket::Dip(three),
+            probe,
+            round,
+        })
+    }
+
+    fn deeper(&self, three: [At; 3], here: At, floor: f64) -> [Option<Self>; 2] {
+        let middle = three[1];
+        if here.1 * middle.1 <= 0.0 {
+            return [[three[0], here], [here, three[2]]].map(|ends| Self::crossing(ends, floor));
+        }
+        let three = match (here.0 < middle.0, here.1.abs() <= middle.1.abs()) {
+            (true, true) => [three[0], here, middle],
+            (true, false) => [here, middle, three[2]],
+            (false, true) => [middle, here, three[2]],
+            (false, false) => [three[0], middle, here],
+        };
+        [Self::dip(three, self.round + 1, floor), None]
+    }
+}
+
+/// Where the line through two points crosses zero.
+fn falsi([a, b]: [At; 2]) -> f64 {
+    (a.0 * b.1 - b.0 * a.1) / (b.1 - a.1)
+}
+
+/// Where a function passes zero, strictly between the first and the last of its samples, in increasing order.
 pub(crate) fn zeros(times: &[f64], values: &[f64], floor: f64, at: &mut dyn FnMut(f64) -> f64) -> Vec<f64> {
     let mut found = Vec::new();
-    let samples: Vec<At> = times.iter().copied().zip(values.iter().copied()).collect();
-    for pair in samples.windows(2) {
-        crossing(pair[0], pair[1], floor, at, &mut found);
+    let mut searches = Search::begin(times, values, floor, &mut found);
+    while let Some(search) = searches.pop() {
+        let value = at(search.probe());
+        searches.extend(search.step(value, floor, &mut found).into_iter().flatten());
     }
-    for three in samples.windows(3) {
-        if three[1].1 == 0.0 && three[0].1 * three[2].1 < 0.0 {
-            found.push(three[1].0);
-        }
-        dip([three[0], three[1], three[2]], floor, at, &mut found);
+    if let (Some(first), Some(last)) = (times.first(), times.last()) {
+        keep_apart(&mut found, *first, *last);
     }
-    let (Some(first), Some(last)) = (times.first(), times.last()) else {
-        return found;
-    };
+    found
+}
+
+/// Sorts moments, and leaves out those that are too close to another or to an end.
+pub(crate) fn keep_apart(found: &mut Vec<f64>, first: f64, last: f64) {
     let apart = KINK_APART * (last - first);
     found.retain(|time| *time > first + apart && *time < last - apart);
     found.sort_by(f64::total_cmp);
     found.dedup_by(|a, b| *a - *b <= apart);
-    found
-}
-
-/// The zero between two samples of opposite sign.
-fn crossing(mut a: At, mut b: At, floor: f64, at: &mut dyn FnMut(f64) -> f64, found: &mut Vec<f64>) {
-    if a.1 * b.1 >= 0.0 || a.1.abs().max(b.1.abs()) <= floor {
-        return;
-    }
-    // which end was kept the last time
-    let mut kept = 0;
-    let mut time = a.0;
-    for _ in 0..KINK_ROUNDS {
-        time = (a.0 * b.1 - b.0 * a.1) / (b.1 - a.1);
-        let value = at(time);
-        if value.abs() <= floor {
-            break;
-        }
-        if value * b.1 < 0.0 {
-            (a, b) = (b, (time, value));
-            kept = 0;
-        } else {
-            // the same end twice: its value is halved, so that the next line crosses on its side
-            b = (time, value);
-            if kept > 0 {
-                a.1 *= 0.5;
-            }
-            kept += 1;
-        }
-    }
-    found.push(time);
-}
-
-/// The zeros around a dip of three samples of one sign.
-fn dip(mut three: [At; 3], floor: f64, at: &mut dyn FnMut(f64) -> f64, found: &mut Vec<f64>) {
-    let sign = three[1].1.signum();
-    for round in 0..KINK_DIP_ROUNDS {
-        let [v0, v1, v2] = three.map(|(_, value)| sign * value);
-        if v1 <= floor || v0 < v1 || v2 < v1 {
-            return;
-        }
-        let [t0, t1, t2] = three.map(|(time, _)| time);
-        let (left, right) = ((v1 - v0) / (t1 - t0), (v2 - v1) / (t2 - t1));
-        let curvature = (right - left) / (t2 - t0);
-        let time = 0.5 * (t0 + t1) - 0.5 * left / curvature;
-        let lowest = v0 + (time - t0) * (left + curvature * (time - t1));
-        // a parabola that stays that high stands for a load that does not come down to zero
-        let stays = round == 0 && lowest > 0.5 * v1;
-        if !(time > t0 && time < t2) || time == t1 || stays {
-            return;
-        }
-        let lowest = (time, at(time));
-        if sign * lowest.1 <= 0.0 {
-            crossing(three[0], lowest, floor, at, found);
-            crossing(lowest, three[2], floor, at, found);
-            return;
-        }
-        three = match (time < t1, sign * lowest.1 <= v1) {
-            (true, true) => [three[0], lowest, three[1]],
-            (true, false) => [lowest, three[1], three[2]],
-            (false, true) => [three[1], lowest, three[2]],
-            (false, false) => [three[0], three[1], lowest],
-        };
-    }
 }
 
 #[cfg(test)]

@@ -18,6 +18,7 @@ use takt_proto::{
 use super::{add_timing, json_response};
 use crate::{
     error::ServiceError,
+    planner::Length,
     service::{Answer, Call, Service},
 };
 
@@ -82,7 +83,7 @@ impl Json {
             parse(&body)?
         } else {
             let job = move |_: &Budget<'_>| parse(&body);
-            self.service.run(call, job).await?.0
+            self.service.run(call, Length::Any, job).await?.0
         };
         let named = message.robot_id();
         if !named.is_empty() && *named != id {
@@ -139,7 +140,7 @@ impl Json {
             return print(&message);
         }
         let job = move |_: &Budget<'_>| print(&message);
-        Ok(self.service.run(call, job).await?.0)
+        Ok(self.service.run(call, Length::Any, job).await?.0)
     }
 
     /// Writes an answer that is short or was read from the store.

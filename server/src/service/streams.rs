@@ -15,7 +15,7 @@ use takt_proto::{
 use tokio::time::timeout;
 
 use super::{Call, Service, robot_id};
-use crate::{compute, edge::Admission, error::ServiceError, stream::Feed};
+use crate::{compute, edge::Admission, error::ServiceError, planner::Length, stream::Feed};
 
 /// Most plans of one batch in work at once, however many threads there are.
 const WIDEST: usize = 64;
@@ -58,7 +58,7 @@ impl Service {
         let job = move |budget: &Budget<'_>| {
             compute::stream_setpoints(request, subject, &service.limits, call.deadline, budget)
         };
-        let (pieces, _) = self.run(call, job).await?;
+        let (pieces, _) = self.run(call, Length::Any, job).await?;
         let parts = stream::iter(pieces.into_parts()).map(Ok);
         Ok(Feed::of(parts, self.idle(), admission))
     }
