@@ -13,6 +13,7 @@
 //! Everything is reflected to the output side: B = ξ²·I_m, τmotor = ξ·τ, Kτ = ξ·k_t. τext is what the arm exerts on its
 //! surroundings: a wrench F that acts on the flange enters as τext = −Jᵀ·F.
 
+mod adapt;
 pub mod controller;
 mod encoder;
 pub mod estimate;

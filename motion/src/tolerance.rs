@@ -851,3 +851,16 @@ pub(crate) const PATH_AT_REST: f64 = 1.0e-6;
 /// q′ is zero at the end itself, what is there is rounding; this far inside, q″ shows through it. A joint that turns back
 /// nearer to the end moves by the square of this before it does: 1e-12 rad, at which it counts as standing.
 pub(crate) const PATH_DEPARTURE: f64 = 1.0e-6;
+/// Variance of a learned friction coefficient at the start, over that of a sample: a twentieth of a second at 1 kHz
+/// outweighs it, so that the first transient does not become the law.
+pub(crate) const ADAPT_PRIOR: f64 = 0.02;
+
+/// Speed below which no friction is learned, rad/s or m/s: the contact may not slide yet.
+pub(crate) const ADAPT_REST: f64 = 0.02;
+
+/// How long the controller remembers what it learned of friction, s: two or three moves; temperature takes minutes.
+pub(crate) const ADAPT_MEMORY: f64 = 2.0;
+
+/// Rate of the observer on the output's side over that on the motor's: at the same rate the slowest pole of an arm on its
+/// transmission keeps 0.15 to 0.2 of critical damping, at a quarter 0.35 to 0.4.
+pub(crate) const ADAPT_OUTPUT: f64 = 0.25;

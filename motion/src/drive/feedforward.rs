@@ -248,3 +248,6 @@ impl Joint {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -33,9 +33,6 @@ pub(crate) struct Drift {
 }
 
 impl Drift {
-    /// As in the model.
-    pub(crate) const NONE: Self = Self { scale: 1.0, rate: 0.0 };
-
     #[inline]
     fn at(&self, time: f64) -> f64 {
         (self.scale + self.rate * time).max(0.0)
@@ -358,3 +355,6 @@ impl System for Arm<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

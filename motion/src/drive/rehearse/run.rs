@@ -44,7 +44,13 @@ impl Rehearsed<'_> {
             let desired = self.planned.step(step);
             let time = step as f64 * self.request.period;
             self.measure(&plant, &mut noise, &mut measured);
-            controller.step(&mut states, &measured, desired, &mut commands);
+            controller.step(
+                &mut states,
+                &measured,
+                desired,
+                self.planned.step(step + 1),
+                &mut commands,
+            );
             self.keep(step, &plant, desired, &commands, &mut sums);
             if let Some(stop) = self.outside(&plant, desired, time) {
                 end = stop;
