@@ -33,6 +33,7 @@ Examples:
   takt setpoints ur5e --program seam.yaml --sample-period 4ms | to-the-controller
   takt check ur5e move.csv                                 margins of a trajectory made elsewhere
   takt drive estimate ur5e telemetry.csv                   friction, from what the drives report
+  takt drive fit ur5e log.csv --test 20..30                friction, rotors and bodies, from a recording
   takt rehearse ur5e --program seam.yaml --friction 1.5    a program on a simulated arm with more friction
 
 Exit codes:

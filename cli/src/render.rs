@@ -4,6 +4,7 @@ pub(crate) mod check;
 pub(crate) mod csv;
 pub(crate) mod curves;
 pub(crate) mod dynamics;
+pub(crate) mod fit;
 pub(crate) mod friction;
 pub(crate) mod html;
 pub(crate) mod html_path;

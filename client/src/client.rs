@@ -146,6 +146,9 @@ impl Client {
         forward_kinematics: ForwardKinematics, ForwardKinematicsRequest => ForwardKinematicsResponse;
         /// Every way to reach each of many poses, or the evidence why there is none.
         inverse_kinematics: InverseKinematics, InverseKinematicsRequest => InverseKinematicsResponse;
+        /// Fits drives and bodies to a recorded motion. A motion that does not say enough has an answer that says what is
+        /// missing.
+        fit_drive: FitDrive, FitDriveRequest => FitDriveResponse;
         /// Runs a motion on a simulated arm whose friction is not the model's, with and without adaptation.
         rehearse: Rehearse, RehearseRequest => RehearseResponse;
     }

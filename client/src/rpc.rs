@@ -123,6 +123,7 @@ about_a_robot!(PlanMove, PlanMoveRequest => PlanMoveResponse);
 about_a_robot!(PlanPath, PlanPathRequest => PlanPathResponse);
 about_a_robot!(PlanBatch, PlanBatchRequest => PlanBatchResponse);
 about_a_robot!(EstimateFriction, EstimateFrictionRequest => EstimateFrictionResponse);
+about_a_robot!(FitDrive, FitDriveRequest => FitDriveResponse);
 about_a_robot!(Rehearse, RehearseRequest => RehearseResponse);
 about_a_robot!(StreamSetpoints, StreamSetpointsRequest => StreamSetpointsResponse);
 about_a_robot!(CheckTrajectory, CheckTrajectoryRequest => CheckTrajectoryResponse);

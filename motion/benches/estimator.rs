@@ -19,6 +19,9 @@ use takt_motion::drive::estimate::{EstimatorMethod, EstimatorOptions, FrictionEs
 use takt_motion::drive::telemetry::Telemetry;
 use takt_motion::robot::Robot;
 
+#[path = "../tests/real_arms/arm.rs"]
+#[allow(dead_code, reason = "the tests use all of it")]
+mod arm;
 #[path = "../tests/real_arms/example.rs"]
 mod example;
 

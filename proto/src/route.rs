@@ -66,6 +66,7 @@ routes! {
     ForwardKinematics: Post "/v1/robots/{robot_id}:forwardKinematics" in "DynamicsService",
     InverseKinematics: Post "/v1/robots/{robot_id}:inverseKinematics" in "DynamicsService",
     EstimateFriction: Post "/v1/robots/{robot_id}:estimateFriction" in "DriveService",
+    FitDrive: Post "/v1/robots/{robot_id}:fitDrive" in "DriveService",
     Rehearse: Post "/v1/robots/{robot_id}:rehearse" in "DriveService",
 }
 

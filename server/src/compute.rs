@@ -3,6 +3,7 @@
 mod dynamics;
 mod estimate;
 mod finite;
+mod fit;
 mod path;
 mod propose;
 mod rehearse;
@@ -30,6 +31,7 @@ use tracing::Span;
 pub(crate) use self::{
     dynamics::{forward_kinematics, inverse_dynamics, inverse_kinematics},
     estimate::Estimating,
+    fit::fit_drive,
     path::plan_path,
     rehearse::rehearse,
     stream::stream_setpoints,
@@ -79,7 +81,7 @@ macro_rules! of_revision {
 }
 
 of_revision!(
-    EstimateHeader RehearseRequest PlanMoveRequest PlanPathRequest CheckTrajectoryRequest InverseDynamicsRequest ForwardKinematicsRequest
+    EstimateHeader FitDriveRequest RehearseRequest PlanMoveRequest PlanPathRequest CheckTrajectoryRequest InverseDynamicsRequest ForwardKinematicsRequest
     InverseKinematicsRequest
 );
 

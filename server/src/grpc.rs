@@ -190,6 +190,7 @@ methods!(v1::dynamics_service_server::DynamicsService {
 });
 
 methods!(v1::drive_service_server::DriveService {
+    fit_drive(FitDriveRequest) -> FitDriveResponse call;
     rehearse(RehearseRequest) -> RehearseResponse call;
     {
         type EstimateFrictionStream = Pieces<v1::EstimateFrictionResponse>;

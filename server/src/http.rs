@@ -96,6 +96,12 @@ impl Http {
                     .write(self.service.check_trajectory(call, message).await?, call)
                     .await
             }
+            Rpc::FitDrive => {
+                let message: v1::FitDriveRequest = self.json.read_for(request, id, call).await?;
+                self.json
+                    .write(self.service.fit_drive(call, message).await?, call)
+                    .await
+            }
             Rpc::Rehearse => {
                 let message: v1::RehearseRequest = self.json.read_for(request, id, call).await?;
                 self.json.write(self.service.rehearse(call, message).await?, call).await

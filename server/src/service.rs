@@ -1,5 +1,6 @@
 //! The use cases: the same for both protocols.
 
+mod fit;
 mod rehearse;
 mod streams;
 mod telemetry;

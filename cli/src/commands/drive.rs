@@ -2,6 +2,7 @@
 
 mod commit;
 mod estimate;
+mod fit;
 
 use clap::Subcommand;
 use takt_client::Client;
@@ -12,12 +13,14 @@ use crate::{failure::Failure, io::Io};
 #[derive(Debug, Subcommand)]
 pub(crate) enum DriveCommand {
     Estimate(Box<estimate::EstimateArgs>),
+    Fit(Box<fit::FitArgs>),
     Commit(commit::CommitArgs),
 }
 
 pub(crate) async fn run(command: DriveCommand, client: &Client, io: &mut Io) -> Result<u8, Failure> {
     match command {
         DriveCommand::Estimate(args) => estimate::run(*args, client, io).await,
+        DriveCommand::Fit(args) => fit::run(*args, client, io).await,
         DriveCommand::Commit(args) => commit::run(args, client, io).await,
     }
 }

@@ -64,6 +64,43 @@ pub(super) fn estimate(answer: &v1::EstimateFrictionResponse) -> bool {
         })
 }
 
+pub(super) fn fit(answer: &v1::MotionFit) -> bool {
+    let estimates = answer
+        .estimates
+        .iter()
+        .map(|one| [one.value, one.described, one.standard_error, one.told]);
+    let joints = answer.joints.iter().map(|one| {
+        [
+            one.fitted_error,
+            one.validated_error,
+            one.correlation_time_s,
+            one.pose_share,
+            one.presliding_deflection.unwrap_or(0.0),
+        ]
+    });
+    let bins = answer
+        .joints
+        .iter()
+        .flat_map(|one| one.by_position.iter().chain(&one.by_speed));
+    let assessed = answer.before.iter().chain(&answer.after).flat_map(|one| &one.joints);
+    let assessed = assessed.map(|one| {
+        let interval = one.interval.unwrap_or_default();
+        [
+            one.error,
+            one.percentile,
+            one.percentile_of_peak.unwrap_or(0.0),
+            interval.coverage,
+            interval.half_width,
+            interval.over_narrowest,
+        ]
+    });
+    all(&[answer.ridge.unwrap_or(0.0), answer.determined])
+        && every(estimates)
+        && every(joints)
+        && every(bins.map(|bin| [bin.from, bin.to, bin.mean, bin.rms]))
+        && every(assessed)
+}
+
 pub(super) fn rehearsal(outcome: &v1::rehearse_response::Outcome) -> bool {
     use v1::rehearse_response::Outcome;
     match outcome {

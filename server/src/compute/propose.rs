@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use takt_motion::robot::spec::{Drive, Parameter, Residual, RobotSpec, Uncertainty};
+use takt_motion::robot::spec::{Drive, Inertial, JointSpec, Parameter, Residual, RobotSpec, Uncertainty};
 use takt_proto::{convert, v1};
 
 use crate::registry::Compiled;
@@ -48,7 +48,7 @@ impl Proposal {
         self.warnings.extend(texts);
     }
 
-    /// Changes the friction of a joint's drive; what the change returns is handed on.
+    /// Changes the friction of a joint's drive, and its rotor's inertia; what the change returns is handed on.
     pub(super) fn change_drive<T>(&mut self, joint: usize, change: impl FnOnce(&mut Drive) -> T) -> T {
         use v1::friction::Side;
         let spec = &self.robot.robot.spec().joints[joint];
@@ -68,12 +68,37 @@ impl Proposal {
         let wire = entries[place].drive.get_or_insert_default();
         // The joint's side is said even where it is nothing: an empty list would leave it to the URDF.
         wire.friction = vec![convert::robot::friction_to_wire(Side::Joint, &drive.joint_friction)];
+        if drive.rotor_inertia.to_bits() != spec.drive.rotor_inertia.to_bits() {
+            wire.rotor_inertia_kg_m2 = Some(drive.rotor_inertia);
+        }
         if !drive.motor_friction.is_zero() {
             let motor = convert::robot::friction_to_wire(Side::Motor, &drive.motor_friction);
             wire.friction.insert(0, motor);
         }
         self.joints.push(joint);
         said
+    }
+
+    /// Puts a body in the place of a joint's, where it is another one.
+    pub(super) fn change_body(&mut self, joint: usize, fitted: &JointSpec) {
+        if self.spec().joints[joint].link == fitted.link {
+            return;
+        }
+        let bodies = &mut self.description.link_inertia;
+        bodies.retain(|body| body.joint != fitted.name);
+        bodies.extend(convert::robot::link_inertia_to_wire([fitted]));
+    }
+
+    /// Puts another payload in the place of the model's.
+    pub(super) fn change_payload(&mut self, payload: &Inertial) {
+        self.description.payload = Some(convert::robot::payload_to_wire(payload));
+    }
+
+    /// States how well the model is known from now on, all of it.
+    pub(super) fn know_all(&mut self, uncertainty: Option<&Uncertainty>) {
+        let joints = &self.robot.robot.spec().joints;
+        self.description.uncertainty =
+            uncertainty.map(|uncertainty| convert::robot::uncertainty_to_wire(uncertainty, joints));
     }
 
     /// States how well the model is known from now on. What was known of other parameters stays; that of the ones that

@@ -9,7 +9,7 @@ use takt_proto::{
 };
 
 use super::{Answer, Call, Service, answer, streams::adopt};
-use crate::{compute, error::ServiceError};
+use crate::{compute, error::ServiceError, planner::Length};
 
 impl Service {
     /// Runs a motion on a simulated arm.
@@ -25,7 +25,7 @@ impl Service {
         let service = Arc::clone(self);
         let job =
             move |budget: &Budget<'_>| compute::rehearse(request, subject, &service.limits, call.deadline, budget);
-        let (message, timing) = self.run(call, job).await?;
+        let (message, timing) = self.run(call, Length::Any, job).await?;
         Ok(answer(message, timing))
     }
 }

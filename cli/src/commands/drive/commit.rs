@@ -12,6 +12,7 @@ use crate::{commands::context, exit, failure::Failure, files, io::Io};
 Examples:
   takt drive estimate ur5e telemetry.csv --json > estimate.json
   takt drive commit ur5e estimate.json
+  takt drive fit ur5e log.csv --json | takt drive commit ur5e -
   takt drive commit ur5e estimate.json --validate-only          only whether it could be
   takt drive commit ur5e estimate.json --note 'after the gear was changed'
 
@@ -21,7 +22,7 @@ began is not touched: estimate again on what is there now, or see `takt robot sh
 pub(crate) struct CommitArgs {
     /// The robot.
     robot_id: String,
-    /// The answer of `takt drive estimate --json`; - for standard input.
+    /// The answer of `takt drive estimate --json` or `takt drive fit --json`; - for standard input.
     estimate: String,
     /// Words that stay with the revision.
     #[arg(long, value_name = "TEXT")]

@@ -29,6 +29,8 @@ fn ur5e(dry: bool) -> RobotSpec {
         tcp: None,
         frames: Vec::new(),
         use_urdf_dynamics: false,
+        link_inertia: Vec::new(),
+        uncertainty: None,
     };
     let mut spec = description.resolve().unwrap().spec;
     let viscous = [[2.0, 3.0, 1.5, 0.4, 0.3, 0.5], [1.0, 0.5, 0.8, 0.2, 0.1, 0.15]];

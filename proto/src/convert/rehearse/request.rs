@@ -12,10 +12,15 @@ use takt_motion::{
 
 use crate::{
     convert::{Findings, LARGEST, Path, SMALLEST, path, plan, quoted, robot},
-    v1::{self, rehearse_request::Motion as WireMotion},
+    v1::{
+        self,
+        rehearse_request::{Adaptation as Named, Motion as WireMotion},
+    },
 };
 
-/// Reads a request; `name_of_motion` says where its motion stands.
+const ADAPTATIONS: &str = "OBSERVER, LAW";
+
+/// Reads a request; `None` where it has no motion.
 pub fn rehearsal_request(
     wire: v1::RehearseRequest,
     robot: Option<&RobotSpec>,
@@ -46,6 +51,18 @@ pub fn rehearsal_request(
     let wrenches_at = at.field("wrenches");
     let wrenches = wire.wrenches.iter().enumerate();
     let rate = findings.positive_option(at.field("adaptation_rate_per_s"), wire.adaptation_rate_per_s, "/s");
+    let memory = findings.positive_option(at.field("adaptation_memory_s"), wire.adaptation_memory_s, " s");
+    let adaptation = wire.adaptation;
+    let adaptation = adaptation.and_then(|named| findings.enumerated(at.field("adaptation"), named, ADAPTATIONS));
+    let adaptation = match adaptation {
+        Some(Named::Observer) => {
+            if memory.is_some() {
+                findings.push(at.field("adaptation_memory_s"), "is of LAW alone");
+            }
+            Adaptation::Observer { rate }
+        }
+        Some(Named::Law | Named::Unspecified) | None => Adaptation::Law { rate, memory },
+    };
     let request = RehearsalRequest {
         period: findings
             .positive_option(at.field("period_s"), wire.period_s, " s")
@@ -60,7 +77,7 @@ pub fn rehearsal_request(
             .collect(),
         gains: gains.unwrap_or_default(),
         current_limits: limits.unwrap_or_default(),
-        adaptation: Adaptation::Observer { rate },
+        adaptation,
         trace_every: wire
             .trace_every
             .map(|every| usize::try_from(every).unwrap_or(usize::MAX)),
@@ -247,6 +264,7 @@ pub fn finding_on_request(found: Invalid, wire: &v1::RehearseRequest, robot: &Ro
     let Invalid { path, message } = found;
     let path = match path.as_str() {
         "adaptation.rate" => "adaptation_rate_per_s".to_owned(),
+        "adaptation.memory" => "adaptation_memory_s".to_owned(),
         path => match of_list(path, wire, robot) {
             Some(path) => path,
             None if OWN.iter().any(|field| path.starts_with(field)) => path.to_owned(),
