@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// In these a field that says nothing is left out of the JSON: descriptions come back as they were given, and what was
 /// not asked for is not there. Everywhere else zeros and empty lists are written out.
-const SPARSE: [&str; 29] = [
+const SPARSE: [&str; 35] = [
     ".takt.v1.RobotDescription",
     ".takt.v1.JointDescription",
     ".takt.v1.JointLimits",
@@ -57,6 +57,12 @@ const SPARSE: [&str; 29] = [
     ".takt.v1.StreamSetpointsRequest",
     ".takt.v1.PlanBatchRequest",
     ".takt.v1.InverseKinematicsRequest",
+    ".takt.v1.EstimateFrictionRequest",
+    ".takt.v1.EstimateHeader",
+    ".takt.v1.FrictionTerms",
+    ".takt.v1.FrictionPrior",
+    ".takt.v1.Telemetry",
+    ".takt.v1.TelemetryColumns",
 ];
 
 fn write_json_form(descriptor: &[u8], out: &Path) -> Result<(), Box<dyn Error>> {

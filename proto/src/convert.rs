@@ -1,9 +1,12 @@
 //! Wire ↔ domain, and nowhere else. Every number that comes in is checked finite here, and every finding has the path
 //! of its field. A conversion collects all that is wrong and not just the first.
 
+pub mod drive;
 pub mod dynamics;
+pub mod fit;
 pub mod path;
 pub mod plan;
+pub mod rehearse;
 pub mod robot;
 pub mod stream;
 

@@ -65,6 +65,9 @@ routes! {
     InverseDynamics: Post "/v1/robots/{robot_id}:inverseDynamics" in "DynamicsService",
     ForwardKinematics: Post "/v1/robots/{robot_id}:forwardKinematics" in "DynamicsService",
     InverseKinematics: Post "/v1/robots/{robot_id}:inverseKinematics" in "DynamicsService",
+    EstimateFriction: Post "/v1/robots/{robot_id}:estimateFriction" in "DriveService",
+    FitDrive: Post "/v1/robots/{robot_id}:fitDrive" in "DriveService",
+    Rehearse: Post "/v1/robots/{robot_id}:rehearse" in "DriveService",
 }
 
 /// What streams are called over HTTP: one JSON document a line.
@@ -74,13 +77,13 @@ impl Rpc {
     /// Whether requests come as a stream.
     #[must_use]
     pub fn takes_stream(self) -> bool {
-        self == Self::PlanBatch
+        matches!(self, Self::PlanBatch | Self::EstimateFriction)
     }
 
     /// Whether answers come as a stream.
     #[must_use]
     pub fn gives_stream(self) -> bool {
-        matches!(self, Self::PlanBatch | Self::StreamSetpoints)
+        matches!(self, Self::PlanBatch | Self::StreamSetpoints | Self::EstimateFriction)
     }
 }
 

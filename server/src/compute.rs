@@ -1,8 +1,12 @@
 //! What runs on the planner's threads: from a request and a robot to the answer. Pure.
 
 mod dynamics;
+mod estimate;
 mod finite;
+mod fit;
 mod path;
+mod propose;
+mod rehearse;
 mod stream;
 
 use std::{sync::Arc, time::Instant};
@@ -26,7 +30,10 @@ use tracing::Span;
 
 pub(crate) use self::{
     dynamics::{forward_kinematics, inverse_dynamics, inverse_kinematics},
+    estimate::Estimating,
+    fit::fit_drive,
     path::plan_path,
+    rehearse::rehearse,
     stream::stream_setpoints,
 };
 use crate::{
@@ -74,7 +81,7 @@ macro_rules! of_revision {
 }
 
 of_revision!(
-    PlanMoveRequest PlanPathRequest CheckTrajectoryRequest InverseDynamicsRequest ForwardKinematicsRequest
+    EstimateHeader FitDriveRequest RehearseRequest PlanMoveRequest PlanPathRequest CheckTrajectoryRequest InverseDynamicsRequest ForwardKinematicsRequest
     InverseKinematicsRequest
 );
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use axum::{Router, response::Response};
 use bytes::Bytes;
-use futures::{StreamExt, stream::BoxStream};
+use futures::{Stream, StreamExt, stream::BoxStream};
 use http::Uri;
 use takt_proto::{
     DESCRIPTOR,
@@ -24,15 +24,16 @@ use crate::{
     error::ServiceError,
     form::{Form as _, Protobuf},
     health::Health,
-    service::{Answer, Call, Incoming, Service},
+    service::{Answer, Arrived, Call, Incoming, Service},
     stream::Feed,
 };
 
 /// The services whose health can be asked for.
-pub(crate) const SERVICES: [&str; 3] = [
+pub(crate) const SERVICES: [&str; 4] = [
     v1::robot_service_server::SERVICE_NAME,
     v1::plan_service_server::SERVICE_NAME,
     v1::dynamics_service_server::SERVICE_NAME,
+    v1::drive_service_server::SERVICE_NAME,
 ];
 
 /// Every gRPC service of the port.
@@ -124,6 +125,15 @@ impl Grpc {
                 let method = |call, message| service.inverse_kinematics::<Protobuf>(call, message);
                 self.unary(request, method).await
             }
+            Rpc::FitDrive => {
+                let method = |call, message| service.fit_drive::<Protobuf>(call, message);
+                self.unary(request, method).await
+            }
+            Rpc::Rehearse => {
+                let method = |call, message| service.rehearse::<Protobuf>(call, message);
+                self.unary(request, method).await
+            }
+            Rpc::EstimateFriction => self.estimate_friction(request).await,
             Rpc::PlanBatch => self.plan_batch(request).await,
             Rpc::StreamSetpoints => self.stream_setpoints(request).await,
         };
@@ -155,15 +165,33 @@ impl Grpc {
         let method = service_fn(
             |request: tonic::Request<tonic::Streaming<v1::PlanBatchRequest>>| async move {
                 let (call, admission) = (call_of(&request)?, admission_of(&request)?);
-                let requests = request.into_inner().map(|request| {
-                    let request = request.map_err(|status| ServiceError::from(Error::from_status(&status)))?;
-                    let bytes = FRAME_HEAD_BYTES + prost::Message::encoded_len(&request);
+                let requests = counted(request.into_inner()).map(|read| {
+                    let (request, bytes) = read?;
                     Ok(Incoming {
                         request: Ok(request),
                         bytes,
                     })
                 });
                 Ok(respond_in_pieces(self.service.plan_batch(call, admission, requests)))
+            },
+        );
+        let mut grpc = tonic::server::Grpc::new(Codec::default()).max_decoding_message_size(self.max_request_bytes);
+        grpc.streaming(method, request).await
+    }
+
+    async fn estimate_friction(&self, request: http::Request<Body>) -> http::Response<tonic::body::Body> {
+        let method = service_fn(
+            |request: tonic::Request<tonic::Streaming<v1::EstimateFrictionRequest>>| async move {
+                let (call, admission) = (call_of(&request)?, admission_of(&request)?);
+                let arrivals = counted(request.into_inner()).map(|read| {
+                    let (request, bytes) = read?;
+                    Ok(Arrived {
+                        request: Ok(request),
+                        bytes,
+                    })
+                });
+                let feed = self.service.estimate_friction(call, admission, arrivals).await;
+                Ok(respond_in_pieces(feed.map_err(status_of)?))
             },
         );
         let mut grpc = tonic::server::Grpc::new(Codec::default()).max_decoding_message_size(self.max_request_bytes);
@@ -211,6 +239,17 @@ const FRAME_HEAD_BYTES: usize = 5;
 fn admission_of<T>(request: &tonic::Request<T>) -> Result<Admission, Status> {
     let admission = request.extensions().get::<Admission>().cloned();
     admission.ok_or_else(|| Status::internal("the request has no place among those in work"))
+}
+
+/// Messages as they come in, and what they hold of the call's bytes.
+fn counted<T: prost::Message>(
+    messages: tonic::Streaming<T>,
+) -> impl Stream<Item = Result<(T, usize), ServiceError>> + Send {
+    messages.map(|message| {
+        let message = message.map_err(|status| ServiceError::from(Error::from_status(&status)))?;
+        let bytes = FRAME_HEAD_BYTES + message.encoded_len();
+        Ok((message, bytes))
+    })
 }
 
 /// Pieces on their way out.

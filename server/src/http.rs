@@ -86,10 +86,19 @@ impl Http {
                 Ok(written(self.service.plan_path::<JsonText>(call, message).await?))
             }
             Rpc::PlanBatch => self.plan_batch(request, id, call),
+            Rpc::EstimateFriction => self.estimate_friction(request, id, call).await,
             Rpc::StreamSetpoints => self.stream_setpoints(request, id, call).await,
             Rpc::CheckTrajectory => {
                 let message: v1::CheckTrajectoryRequest = self.json.read_for(request, id, call).await?;
                 Ok(written(self.service.check_trajectory::<JsonText>(call, message).await?))
+            }
+            Rpc::FitDrive => {
+                let message: v1::FitDriveRequest = self.json.read_for(request, id, call).await?;
+                Ok(written(self.service.fit_drive::<JsonText>(call, message).await?))
+            }
+            Rpc::Rehearse => {
+                let message: v1::RehearseRequest = self.json.read_for(request, id, call).await?;
+                Ok(written(self.service.rehearse::<JsonText>(call, message).await?))
             }
             Rpc::InverseDynamics => {
                 let message: v1::InverseDynamicsRequest = self.json.read_for(request, id, call).await?;

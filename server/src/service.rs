@@ -1,6 +1,9 @@
 //! The use cases: the same for both protocols.
 
+mod fit;
+mod rehearse;
 mod streams;
+mod telemetry;
 
 use std::{
     sync::Arc,
@@ -10,9 +13,10 @@ use std::{
 use futures::FutureExt;
 use takt_motion::{Invalid, budget::Budget};
 use takt_proto::{error::Error, id::RobotId, v1};
+use tokio::sync::Semaphore;
 use tracing::Span;
 
-pub(crate) use self::streams::Incoming;
+pub(crate) use self::{streams::Incoming, telemetry::Arrived};
 use crate::{
     compute::{self, Subject},
     config::Limits,
@@ -68,6 +72,8 @@ pub(crate) struct Answer<T> {
 pub(crate) struct Service {
     registry: Registry,
     planner: Pool,
+    /// Turns of streams at the planner's door.
+    turns: Semaphore,
     limits: Limits,
 }
 
@@ -99,6 +105,7 @@ impl Service {
     pub(crate) fn new(registry: Registry, planner: Pool, limits: Limits) -> Self {
         Self {
             registry,
+            turns: Semaphore::new(planner.thread_count()),
             planner,
             limits,
         }

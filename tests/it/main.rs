@@ -13,5 +13,7 @@ mod oracle;
 mod plan;
 mod programs;
 mod registry;
+mod rehearse;
 mod streams;
+mod telemetry;
 mod tidy;

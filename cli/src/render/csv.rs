@@ -151,7 +151,7 @@ pub(crate) fn trajectory(text: &str, joints: &[String]) -> Result<v1::Trajectory
 }
 
 /// The cells of one line; cells never hold line breaks here.
-fn cells(line: &str) -> Vec<String> {
+pub(crate) fn cells(line: &str) -> Vec<String> {
     let mut cells = vec![String::new()];
     let mut inside = false;
     let mut characters = line.chars().peekable();

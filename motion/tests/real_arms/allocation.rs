@@ -2,8 +2,8 @@
 
 use takt_motion::budget::Budget;
 use takt_motion::drive::controller::{Adaptation, Command, Controller, Measured, default_gains};
-use takt_motion::drive::feedforward::Desired;
 use takt_motion::drive::estimate::{EstimatorMethod, EstimatorOptions, FrictionEstimator, FrictionLaw};
+use takt_motion::drive::feedforward::Desired;
 use takt_motion::drive::telemetry::Telemetry;
 use takt_motion::dynamics::{self, Workspace};
 use takt_motion::kinematics;

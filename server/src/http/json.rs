@@ -55,7 +55,7 @@ macro_rules! for_robot {
 
 for_robot!(
     RegisterRobotRequest PlanMoveRequest PlanPathRequest PlanBatchRequest StreamSetpointsRequest CheckTrajectoryRequest
-    InverseDynamicsRequest ForwardKinematicsRequest InverseKinematicsRequest
+    InverseDynamicsRequest ForwardKinematicsRequest InverseKinematicsRequest EstimateFrictionRequest FitDriveRequest RehearseRequest
 );
 
 impl Json {
