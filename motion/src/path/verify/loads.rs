@@ -67,10 +67,12 @@ impl Examiner<'_> {
         let limits = self.timed.limits;
         let slow = PATH_AT_REST * self.timed.curve.length();
         for (time, side) in [(0.0, Side::After), (duration, Side::Before)] {
-            if self.timed.law.at(time).velocity * duration > slow {
+            self.state.set(self.timed.curve, self.timed.law, time, side);
+            // a path at constant speed is timed by itself: there it is the joints that rest
+            let rests = self.state.velocity.iter().all(|velocity| *velocity == 0.0);
+            if self.timed.law.at(time).velocity * duration > slow && !rests {
                 continue;
             }
-            self.state.set(self.timed.curve, self.timed.law, time, side);
             let s = self.state.s;
             dynamics::gravity_torque(self.robot, &mut self.workspace, &self.state.position, &mut self.torque);
             let stretch = &limits.stretches[limits.stretch_at(s, side)];
