@@ -10,6 +10,8 @@
 
 #![allow(clippy::print_stdout, reason = "a program that prints a table")]
 
+#[path = "common/payloads.rs"]
+mod payloads;
 #[path = "common/robots.rs"]
 #[allow(dead_code, reason = "shared with programs that need more of it")]
 mod robots;
@@ -79,7 +81,7 @@ fn request(example: &Example, reach: f64, draw: &mut Draw) -> MoveRequest {
         start,
         target,
         target_velocity: None,
-        payload: Some(robots::ball(mass, Vector3::new(0.0, 0.0, 0.05))),
+        payload: Some(payloads::ball(mass, Vector3::new(0.0, 0.0, 0.05))),
         limits: Vec::new(),
         torque_utilization: 1.0,
         speed_scale: 1.0,

@@ -5,7 +5,6 @@
 #[allow(dead_code, reason = "shared with programs that need more of it")]
 mod programs;
 #[path = "../examples/common/robots.rs"]
-#[allow(dead_code, reason = "shared with programs that need more of it")]
 mod robots;
 
 use std::collections::BTreeMap;

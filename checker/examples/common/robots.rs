@@ -5,11 +5,8 @@ use std::path::Path as FilePath;
 
 use takt_checker::draw::{self, Draw};
 use takt_motion::robot::Robot;
-use takt_motion::robot::spec::Inertial;
 use takt_proto::convert::{self, Findings, Path};
 use takt_proto::v1::RobotDescription;
-
-use nalgebra::{Matrix3, Vector3};
 
 /// One arm to measure with.
 pub(crate) struct Example {
@@ -83,14 +80,5 @@ fn payload_max(name: &str) -> f64 {
         "fr3" => 3.0,
         "puma560" => 2.5,
         _ => 2.0,
-    }
-}
-
-/// A payload with its centre at `center`, in the tip link's frame; it turns like a ball of 5 cm.
-pub(crate) fn ball(mass: f64, center: Vector3<f64>) -> Inertial {
-    Inertial {
-        mass,
-        center_of_mass: center,
-        inertia: Matrix3::identity() * (0.4 * 0.05 * 0.05 * mass),
     }
 }

@@ -78,6 +78,12 @@ impl State {
         if at_end || (near_end && rate * duration <= PATH_AT_REST * length) {
             curve.evaluate(self.s.clamp(inside, length - inside), side, &mut self.point);
             self.direction.copy_from_slice(&self.point.first);
+            // rest, of which a path that is timed already leaves the rounding of its derivatives
+            for velocity in &mut self.velocity {
+                if velocity.abs() * duration <= TRAVEL_MIN {
+                    *velocity = 0.0;
+                }
+            }
             return;
         }
         // slower than this the whole motion would not take a joint anywhere
