@@ -16,6 +16,7 @@
 mod adapt;
 pub mod controller;
 mod encoder;
+pub mod estimate;
 pub mod feedforward;
 mod gains;
 mod integrator;
@@ -24,6 +25,5 @@ mod plant;
 pub mod reference;
 pub mod rehearse;
 mod series;
-pub mod transmission;
-pub mod estimate;
 pub mod telemetry;
+pub mod transmission;

@@ -713,9 +713,9 @@ pub(crate) const PLANT_STEP_GROWTH: f64 = 4.0;
 /// Most steps of the integrator in one step of the controller: at 1 kHz, a transmission of some hundred kHz. Stiffer ones are rigid.
 pub(crate) const PLANT_STEPS_MAX: usize = 2_000;
 
-/// Way back and forth within a step in which a joint turns round, as part of the presliding way: within it dry friction is taken to retrace
-/// its way, which is off by the square of this, 4e-4 of it. With 0.05 the dry case of `drive/plant/tests.rs` was off by 1.2e-6.
-pub(crate) const PLANT_TURN_WAY: f64 = 0.02;
+/// Way back and forth within a step in which a joint turns round, as part of the presliding way. On the way back dry friction
+/// is taken for what it was on the way out until the step ends, which is off by twice this part of it.
+pub(crate) const PLANT_TURN_WAY: f64 = 1.0e-4;
 
 /// Steps of the simulated arm's integrator between two looks at the budget: of 32 joints, 1 ms.
 pub(crate) const PLANT_STRIDE: usize = 16;

@@ -132,6 +132,8 @@ fn arm(name: &'static str, assumed: &[Assumed], start: &[f64], way: &[f64]) -> A
         tcp: None,
         frames: Vec::new(),
         use_urdf_dynamics: false,
+        link_inertia: Vec::new(),
+        uncertainty: None,
     };
     let resolved = description.resolve().expect("the arm is sound");
     let mut spec = resolved.spec;
