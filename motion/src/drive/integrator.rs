@@ -15,7 +15,7 @@ pub(crate) trait System {
     fn is_fine(&self, span: f64, from: &[f64], to: &[f64]) -> bool;
 
     /// A step was taken.
-    fn accept(&mut self, to: &[f64]);
+    fn accept(&mut self, span: f64, from: &[f64], to: &[f64]);
 }
 
 /// Scratch and step length.
@@ -110,8 +110,8 @@ impl Integrator {
         let error = self.error(span);
         let fine = system.is_fine(span, state, &self.trial);
         if error <= 1.0 && fine {
+            system.accept(span, state, &self.trial);
             state.copy_from_slice(&self.trial);
-            system.accept(state);
             self.stages.swap(0, 6);
             self.taken = span;
             let growth = self.factor(error);
@@ -184,7 +184,7 @@ mod tests {
             true
         }
 
-        fn accept(&mut self, _: &[f64]) {}
+        fn accept(&mut self, _: f64, _: &[f64], _: &[f64]) {}
     }
 
     #[test]

@@ -484,16 +484,23 @@ impl System for Arm<'_> {
         })
     }
 
-    fn accept(&mut self, to: &[f64]) {
+    /// Contacts move on, by way of the place where they turned round under the mean acceleration: x₀ − v₀²/(2·a).
+    fn accept(&mut self, span: f64, from: &[f64], to: &[f64]) {
         let count = self.joints.len();
         for (joint, at) in self.joints.iter().enumerate() {
             for (side, (part, loss)) in [(2, &at.joint.motor), (0, &at.joint.output)].into_iter().enumerate() {
-                let position = to[part * count + joint];
+                let (position, rate) = (part * count + joint, (part + 1) * count + joint);
                 let contact = &mut self.contacts[joint][side];
                 if loss.is_dry() {
-                    contact.part = loss.part_after(contact.part, position - contact.position);
+                    let (before, after) = (from[rate], to[rate]);
+                    if before * after < 0.0 {
+                        let turn = from[position] - 0.5 * span * before * before / (after - before);
+                        contact.part = loss.part_after(contact.part, turn - contact.position);
+                        contact.position = turn;
+                    }
+                    contact.part = loss.part_after(contact.part, to[position] - contact.position);
                 }
-                contact.position = position;
+                contact.position = to[position];
             }
         }
     }

@@ -178,10 +178,12 @@ fn an_independent_integrator_agrees_where_joints_stick_and_slide() {
             -0.1136666304221,
         ],
     ];
-    for nodes in [PLANT_NODES, 5e-5] {
+    for (nodes, allowed) in [(PLANT_NODES, 1e-8), (5e-5, 1e-10)] {
         let [position, velocity] = differences(nodes, true, None, expected);
-        println!("dry {nodes} {position:e} {velocity:e}");
-        assert!(position < 1e-6 && velocity < 1e-5, "{position:e} {velocity:e}");
+        assert!(
+            position < allowed && velocity < 50.0 * allowed,
+            "{position:e} {velocity:e}"
+        );
     }
 }
 
