@@ -647,9 +647,9 @@ pub(crate) const PLANT_STEP_GROWTH: f64 = 4.0;
 /// Most steps of the integrator in one step of the controller: at 1 kHz, a transmission of some hundred kHz. Stiffer ones are rigid.
 pub(crate) const PLANT_STEPS_MAX: usize = 2_000;
 
-/// Way back and forth within a step in which a joint turns round, as part of the presliding way: within it dry friction is taken to retrace
-/// its way, which is off by the square of this, 4e-4 of it. With 0.05 the dry case of `drive/plant/tests.rs` was off by 1.2e-6.
-pub(crate) const PLANT_TURN_WAY: f64 = 0.02;
+/// Way back and forth within a step in which a joint turns round, as part of the presliding way. On the way back dry friction
+/// is taken for what it was on the way out until the step ends, which is off by twice this part of it.
+pub(crate) const PLANT_TURN_WAY: f64 = 1.0e-4;
 
 /// Steps of the simulated arm's integrator between two looks at the budget: of 32 joints, 1 ms.
 pub(crate) const PLANT_STRIDE: usize = 16;
@@ -744,53 +744,6 @@ pub(crate) const ESTIMATE_LOAD_SPREAD_MIN: f64 = 0.1;
 
 /// A coefficient is told by the samples where its standard error is below this part of what it was beforehand.
 pub(crate) const ESTIMATE_TOLD_PART: f64 = 0.5;
-/// Error of a position that the simulated arm may make in one step of its integrator, rad or m. Chosen by measurement: against an independent
-/// integrator the positions of a swinging arm are off by less than 1e-7 after half a second (test in `drive/plant/tests.rs`); a tenth
-/// of it costs a fifth more time.
-pub(crate) const PLANT_POSITION: f64 = 1.0e-9;
-
-/// The same of a speed, rad/s or m/s: as much at 100 rad/s, the frequency of a slow transmission.
-pub(crate) const PLANT_VELOCITY: f64 = 1.0e-7;
-
-/// First step of the simulated arm's integrator, s; it finds its own.
-pub(crate) const PLANT_STEP_FIRST: f64 = 1.0e-4;
-
-/// Part of the step's length that would just be good enough that is tried.
-pub(crate) const PLANT_STEP_FACTOR: f64 = 0.9;
-
-/// How much shorter the next step may be.
-pub(crate) const PLANT_STEP_SHRINK: f64 = 0.25;
-
-/// How much longer.
-pub(crate) const PLANT_STEP_GROWTH: f64 = 4.0;
-
-/// Most steps of the integrator in one step of the controller: at 1 kHz, a transmission of some hundred kHz. Stiffer ones are rigid.
-pub(crate) const PLANT_STEPS_MAX: usize = 2_000;
-
-/// Way back and forth within a step in which a joint turns round, as part of the presliding way. On the way back dry friction
-/// is taken for what it was on the way out until the step ends, which is off by twice this part of it.
-pub(crate) const PLANT_TURN_WAY: f64 = 1.0e-4;
-
-/// Steps of the simulated arm's integrator between two looks at the budget: of 32 joints, 1 ms.
-pub(crate) const PLANT_STRIDE: usize = 16;
-
-/// How far a joint of the simulated arm may be from where the plan has it, rad or m: beyond, nothing is worth simulating.
-pub(crate) const REHEARSAL_DIVERGED: f64 = 10.0;
-
-/// Shortest period of a rehearsed controller, s: ten times as fast as any drive's current loop.
-pub(crate) const REHEARSAL_PERIOD_MIN: f64 = 1.0e-6;
-
-/// Longest period of a rehearsed controller, s: slower than any arm's.
-pub(crate) const REHEARSAL_PERIOD_MAX: f64 = 0.1;
-
-/// Largest scale of friction against the model's.
-pub(crate) const FRICTION_SCALE_MAX: f64 = 1.0e3;
-
-/// Poses of a motion at which the arm's inertia is looked at for gains: it varies slowly.
-pub(crate) const GAIN_POSES: usize = 64;
-
-/// Most wrenches of a rehearsal: each is looked at in every step.
-pub(crate) const WRENCHES_MAX: usize = 100;
 
 /// Variance of a learned friction coefficient at the start, over that of a sample: a twentieth of a second at 1 kHz
 /// outweighs it, so that the first transient does not become the law.
