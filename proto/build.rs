@@ -27,12 +27,17 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// In these a field that says nothing is left out of the JSON: descriptions come back as they were given, and what was
 /// not asked for is not there. Everywhere else zeros and empty lists are written out.
-const SPARSE: [&str; 24] = [
+const SPARSE: [&str; 29] = [
     ".takt.v1.RobotDescription",
     ".takt.v1.JointDescription",
     ".takt.v1.JointLimits",
     ".takt.v1.Drive",
     ".takt.v1.Friction",
+    ".takt.v1.LinkInertia",
+    ".takt.v1.ModelUncertainty",
+    ".takt.v1.FittedParameter",
+    ".takt.v1.JointResidual",
+    ".takt.v1.ModelOrigin",
     ".takt.v1.Payload",
     ".takt.v1.Tool",
     ".takt.v1.Frame",

@@ -28,6 +28,7 @@ mod ends;
 pub mod report;
 mod samples;
 mod states;
+mod ways;
 
 use takt_motion::path::outcome::PathPlan;
 use takt_motion::path::request::PathRequest;

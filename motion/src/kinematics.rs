@@ -94,7 +94,7 @@ pub(crate) fn tool_motion(robot: &Robot, q: &[f64], qd: &[f64], qdd: &[f64], tcp
 }
 
 /// What a joint does to its link.
-fn motion(joint: &JointSpec, q: f64) -> Isometry3<f64> {
+pub(crate) fn motion(joint: &JointSpec, q: f64) -> Isometry3<f64> {
     match joint.kind {
         JointKind::Prismatic => Isometry3::from_parts(Translation3::from(joint.axis * q), UnitQuaternion::identity()),
         JointKind::Revolute | JointKind::Continuous => {

@@ -16,7 +16,7 @@ pub mod urdf_writer;
 use std::sync::Arc;
 
 use crate::dynamics::chain::Chain;
-use crate::dynamics::drive::DriveTerms;
+use crate::dynamics::drive::{DriveTerms, any_loaded};
 use crate::error::Invalid;
 pub use preset::Preset;
 use spec::{Inertial, RobotSpec};
@@ -40,6 +40,8 @@ struct Model {
     warnings: Vec<String>,
     bare: Chain,
     drives: Vec<DriveTerms>,
+    /// Some drive's friction depends on its gravity torque.
+    is_loaded: bool,
     presets: Vec<Option<Preset>>,
 }
 
@@ -67,6 +69,7 @@ impl Robot {
             spec,
             warnings,
             bare,
+            is_loaded: any_loaded(&drives),
             drives,
             presets,
         };
@@ -124,6 +127,11 @@ impl Robot {
 
     pub(crate) fn drives(&self) -> &[DriveTerms] {
         &self.model.drives
+    }
+
+    /// Whether some drive's friction depends on what gravity asks of it.
+    pub(crate) fn is_loaded(&self) -> bool {
+        self.model.is_loaded
     }
 }
 

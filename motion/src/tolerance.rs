@@ -86,12 +86,16 @@ pub(crate) const GRID_NODES_APART: f64 = 1.0e-12;
 /// Largest squared path velocity that is planned where nothing bounds it, 1/s².
 pub(crate) const PATH_SPEED_SQUARED_MAX: f64 = 1.0e12;
 
-/// Largest ratio of squared path velocities within a panel of the integral for time: with it Gauss and Legendre's six
-/// points leave a relative error below 1e-11. Pinned by `durations_are_those_of_closed_forms`.
-pub(crate) const LAW_PANEL_RATIO: f64 = 2.0;
+/// How far from the middle of a panel of the integral for time the squared path velocity has no root, in half widths: Gauss
+/// and Legendre's six points then leave a relative error below 1e-11. Pinned by `durations_are_those_of_closed_forms` and
+/// `a_dip_of_the_speed_within_a_piece_takes_its_time`.
+pub(crate) const LAW_PANEL_CLEAR: f64 = 3.5;
 
-/// Most panels of one piece: what varies more than 2⁶⁴-fold within a piece is not resolved.
-pub(crate) const LAW_PANELS_MAX: usize = 64;
+/// Shortest panel, as part of its piece: a dip of the speed that is narrower is rest.
+pub(crate) const LAW_PANEL_LEAST: f64 = 1.0e-6;
+
+/// Most panels of one piece: a dip as narrow as that takes some hundred.
+pub(crate) const LAW_PANELS_MAX: usize = 512;
 
 /// Rounds of Newton's method from a time to a place; two or three do, bisection alone would take fifty.
 pub(crate) const LAW_INVERSE_ROUNDS: usize = 60;
@@ -543,6 +547,83 @@ pub(crate) const BUDGET_STRIDE: usize = 64;
 pub(crate) const FINER_GRIDS: usize = 2;
 /// How far a sample's time may be from a stop to be the stop's, as part of the duration: some roundings of both.
 pub(crate) const SAMPLE_AT_STOP: f64 = 1.0e-13;
+/// Halvings of a bracket of the first maximum of a stiffness polynomial: from Cauchy's bound, which unequal coefficients make
+/// large, down to rounding.
+pub(crate) const TRANSMISSION_BISECTIONS: usize = 200;
+
+/// Rounds of Newton's method from a torque to a deformation; four do, doubling and halving take the rest where it is flat.
+pub(crate) const TRANSMISSION_ROUNDS: usize = 200;
+
+/// A deformation is found when Newton's step is this part of it: some units in the last place.
+pub(crate) const TRANSMISSION_ROUNDING: f64 = 1.0e-15;
+
+/// How far a contact gives way before it slides where the model has no presliding stiffness, rad or m: friction with corners
+/// has no solution that an integrator finds. It is below what an encoder at the joint resolves; the dry friction is off by more than
+/// 1 % over 4.6 times that way after each turn.
+pub(crate) const PRESLIDING_DEFAULT: f64 = 1.0e-4;
+
+/// Part of the dry friction that may be missing from full sliding and counts as full: rounding.
+pub(crate) const PRESLIDING_SETTLED: f64 = 1.0e-14;
+
+/// A derivative jumps between two pieces of a motion if it changes by more than this part of its largest value: below it is
+/// the rounding of decimal points. The same part of a period separates a sample from a jump.
+pub(crate) const SMOOTH_JUMP: f64 = 1.0e-6;
+
+/// Bandwidth of the joint controller, as part of the frequency at which the arm swings against a held motor: there, motor and arm
+/// still move together to within 1/(1 − 1/9), an eighth.
+pub(crate) const GAIN_RESONANCE: f64 = 1.0 / 3.0;
+
+/// Periods in one over the bandwidth: the delay of one and a half of them costs 4° of phase.
+pub(crate) const GAIN_SAMPLING: f64 = 20.0;
+
+/// Damping ratio of the joint controller: the least that has next to no overshoot.
+pub(crate) const GAIN_DAMPING: f64 = 0.7;
+
+/// Largest K_d·T over the rotor's inertia: from 1 on, a speed that is known a period late drives the rotor alone unstable.
+pub(crate) const GAIN_ROTOR: f64 = 0.25;
+
+/// Largest torque-error gain: the rotor feels half as heavy.
+pub(crate) const GAIN_TORQUE: f64 = 1.0;
+
+/// Part of K_d that the torque error's delay may take.
+pub(crate) const GAIN_TORQUE_DAMPING: f64 = 0.3;
+
+/// Cut-off of the measured speed over the bandwidth: 6° of phase.
+pub(crate) const GAIN_FILTER: f64 = 10.0;
+
+/// Error of a position that the simulated arm may make in one step of its integrator, rad or m: far below what the distance of nodes
+/// costs, and hardly dearer than 1e-8, since transmissions and nodes shorten the steps anyway.
+/// Gravity torque that counts as none where a load passes zero, as part of the largest on the way: a kink of friction that
+/// is missed there is as small, a thousandth of [`VERIFY_RESERVE`].
+pub(crate) const KINK_FLOOR: f64 = 1.0e-9;
+
+/// Part of a stretch that separates two kinks, or one from its end: closer, what is between them takes less than the floor.
+pub(crate) const KINK_APART: f64 = 1.0e-9;
+
+/// Steps of the regula falsi on a zero of the load; from samples that resolve it, six to ten do. What is reached then is taken.
+pub(crate) const KINK_ROUNDS: usize = 40;
+
+/// Parabolas that follow a load that dips towards zero between samples, before it is taken not to reach it.
+pub(crate) const KINK_DIP_ROUNDS: usize = 6;
+/// Path speed that is rest at an end of a path, as part of the mean speed: the root of a place's rounding.
+pub(crate) const PATH_AT_REST: f64 = 1.0e-6;
+
+/// How far inside a path, as part of its length, its derivative says in which direction a joint sets out or arrives. Where
+/// q′ is zero at the end itself, what is there is rounding; this far inside, q″ shows through it. A joint that turns back
+/// nearer to the end moves by the square of this before it does: 1e-12 rad, at which it counts as standing.
+pub(crate) const PATH_DEPARTURE: f64 = 1.0e-6;
+
+/// How much larger than stated a use of a limit on a path may be between samples, as part of the limit: a fifth of the 1e-6
+/// that no drive and no sensor sees. The search for it ends there.
+pub(crate) const EXTREME_GAIN: f64 = 2.0e-7;
+
+/// Most values that the search for one limit's maximum takes on a path: twenty do on average; a limit that is just used all
+/// along the path takes one or two an interval.
+pub(crate) const EXTREME_STEPS: usize = 8192;
+
+/// Moments of a path closer than this part of its duration are one, when intervals are formed that nothing jumps within: a
+/// place is passed at a time that is known to some 1e-15, and near a stop to the root of a rounding.
+pub(crate) const BREAKS_APART: f64 = 1.0e-10;
 
 /// Most samples of one block of telemetry: ten seconds at 1 kHz, a hundred times what a stream sends at once.
 pub const TELEMETRY_SAMPLES_MAX: usize = 10_000;
@@ -620,3 +701,196 @@ pub(crate) const ESTIMATE_LOAD_SPREAD_MIN: f64 = 0.1;
 
 /// A coefficient is told by the samples where its standard error is below this part of what it was beforehand.
 pub(crate) const ESTIMATE_TOLD_PART: f64 = 0.5;
+/// Error of a position that the simulated arm may make in one step of its integrator, rad or m. Chosen by measurement: against an independent
+/// integrator the positions of a swinging arm are off by less than 1e-7 after half a second (test in `drive/plant/tests.rs`); a tenth
+/// of it costs a fifth more time.
+pub(crate) const PLANT_POSITION: f64 = 1.0e-9;
+
+/// The same of a speed, rad/s or m/s: as much at 100 rad/s, the frequency of a slow transmission.
+pub(crate) const PLANT_VELOCITY: f64 = 1.0e-7;
+
+/// First step of the simulated arm's integrator, s; it finds its own.
+pub(crate) const PLANT_STEP_FIRST: f64 = 1.0e-4;
+
+/// Part of the step's length that would just be good enough that is tried.
+pub(crate) const PLANT_STEP_FACTOR: f64 = 0.9;
+
+/// How much shorter the next step may be.
+pub(crate) const PLANT_STEP_SHRINK: f64 = 0.25;
+
+/// How much longer.
+pub(crate) const PLANT_STEP_GROWTH: f64 = 4.0;
+
+/// Most steps of the integrator in one step of the controller: at 1 kHz, a transmission of some hundred kHz. Stiffer ones are rigid.
+pub(crate) const PLANT_STEPS_MAX: usize = 2_000;
+
+/// Way back and forth within a step in which a joint turns round, as part of the presliding way: within it dry friction is taken to retrace
+/// its way, which is off by the square of this, 4e-4 of it. With 0.05 the dry case of `drive/plant/tests.rs` was off by 1.2e-6.
+pub(crate) const PLANT_TURN_WAY: f64 = 0.02;
+
+/// Steps of the simulated arm's integrator between two looks at the budget: of 32 joints, 1 ms.
+pub(crate) const PLANT_STRIDE: usize = 16;
+
+/// How far a joint of the simulated arm may be from where the plan has it, rad or m: beyond, nothing is worth simulating.
+pub(crate) const REHEARSAL_DIVERGED: f64 = 10.0;
+
+/// Shortest period of a rehearsed controller, s: ten times as fast as any drive's current loop.
+pub(crate) const REHEARSAL_PERIOD_MIN: f64 = 1.0e-6;
+
+/// Longest period of a rehearsed controller, s: slower than any arm's.
+pub(crate) const REHEARSAL_PERIOD_MAX: f64 = 0.1;
+
+/// Largest scale of friction against the model's.
+pub(crate) const FRICTION_SCALE_MAX: f64 = 1.0e3;
+
+/// Poses of a motion at which the arm's inertia is looked at for gains: it varies slowly.
+pub(crate) const GAIN_POSES: usize = 64;
+
+/// Most wrenches of a rehearsal: each is looked at in every step.
+pub(crate) const WRENCHES_MAX: usize = 100;
+
+/// Variance of a learned friction coefficient at the start, over that of a sample: a twentieth of a second at 1 kHz
+/// outweighs it, so that the first transient does not become the law.
+pub(crate) const ADAPT_PRIOR: f64 = 0.02;
+
+/// Speed below which no friction is learned, rad/s or m/s: the contact may not slide yet.
+pub(crate) const ADAPT_REST: f64 = 0.02;
+
+/// How long the controller remembers what it learned of friction, s: two or three moves; temperature takes minutes.
+pub(crate) const ADAPT_MEMORY: f64 = 2.0;
+
+/// Rate of the observer on the output's side over that on the motor's: at the same rate the slowest pole of an arm on its
+/// transmission keeps 0.15 to 0.2 of critical damping, at a quarter 0.35 to 0.4.
+pub(crate) const ADAPT_OUTPUT: f64 = 0.25;
+
+/// Most samples of a recording: an hour at 100 Hz, ten minutes at 1 kHz, and more would wait in memory for nothing.
+pub(crate) const FIT_SAMPLES_MAX: usize = 1_000_000;
+
+/// Largest magnitude of anything in a recording: beyond any unit of an arm, with products of three that stay finite.
+pub(crate) const FIT_VALUE_MAX: f64 = 1.0e9;
+
+/// Lowest corner of a fit's filter, Hz: slower motion is holding.
+pub(crate) const FIT_BAND_MIN: f64 = 0.1;
+
+/// Highest corner of a fit's filter, Hz: above it the transmission, not the rigid arm, answers.
+pub(crate) const FIT_BAND_MAX: f64 = 100.0;
+
+/// Smallest part of a diagonal entry that a pivot of Cholesky's method may be in a fit: below it the parameter is not told by
+/// anything, and rounding is what is left.
+pub(crate) const PIVOT_PART_MIN: f64 = 1.0e-14;
+
+/// Sweeps of Jacobi's method: it converges quadratically after three or four.
+pub(crate) const JACOBI_SWEEPS: usize = 30;
+
+/// Periods of a filter's corner by which a signal is continued beyond its ends: its answer has died away to 1e-4 after that.
+pub(crate) const FILTER_PAD_PERIODS: f64 = 3.0;
+
+/// Corner of the filter that positions and speeds go through, over the band: what it takes off within the band is 1e-4, and
+/// products of positions within the band stay whole.
+pub(crate) const KINEMATIC_BAND: f64 = 3.0;
+
+/// Samples per period of the band at which the model is computed: its steps of friction are then a twentieth of a period.
+pub(crate) const FIT_BAND_SAMPLES: f64 = 20.0;
+
+/// Samples per period of the band that a recording must have: the corner at [`KINEMATIC_BAND`] is then below half of its rate.
+pub(crate) const NATIVE_BAND_SAMPLES: f64 = 8.0;
+
+/// Longest gap between two samples, in periods of the band: a straight line across half a period is no longer the motion.
+pub(crate) const GAP_BANDS: f64 = 0.5;
+
+/// Smallest radius of gyration about a body's own centre that a fit assumes where a description says less, m: that of a bolt.
+pub(crate) const GYRATION_MIN: f64 = 0.01;
+
+/// Rounds of Newton's method of a fit; from the description it takes about ten.
+pub(crate) const FIT_NEWTON_ROUNDS: usize = 100;
+
+/// Decrease, over the objective, at which a fit is at its least: its parameters are then true to 1e-5 of their deviation.
+pub(crate) const FIT_NEWTON_DONE: f64 = 1.0e-12;
+
+/// Part of the foreseen decrease that a step must bring (Armijo).
+pub(crate) const FIT_DECREASE: f64 = 1.0e-4;
+
+/// Halvings of a step before it counts as none: below 1e-9 of it is rounding.
+pub(crate) const FIT_BACKTRACKS: usize = 30;
+
+/// Degrees of freedom that residuals are compared with: from hardly any variance to none but the normal one's.
+pub(crate) const STUDENT_DEGREES: [f64; 11] = [2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0, 200.0];
+
+/// Natural logarithm of how far the likeliest deviation of a residual may be from its root mean square, either way.
+pub(crate) const STUDENT_SCALE_RANGE: f64 = 3.0;
+
+/// Terms of the continued fraction of the incomplete beta function: for the degrees in use a few dozen are enough.
+pub(crate) const INCOMPLETE_BETA_ROUNDS: usize = 300;
+
+/// Halvings in the search for a quantile: to rounding.
+pub(crate) const QUANTILE_ROUNDS: usize = 60;
+
+/// Speed below which a joint is at rest to a fit, rad/s or m/s: friction is then between its two directions, and a model's torque is
+/// uncertain by it.
+pub(crate) const REST_SPEED: f64 = 0.02;
+
+/// Shortest motion that is fitted, in periods of the band: as many stretches as the cross-validation leaves out.
+pub(crate) const FIT_PERIODS_MIN: f64 = 10.0;
+
+/// Stretches that a cross-validation leaves out in turn: with ten a fit loses a tenth of its data, and there are enough of them to
+/// have a spread (R. Kohavi 1995).
+pub(crate) const FIT_FOLDS: usize = 10;
+
+/// Smallest singular value of scaled columns whose combination a motion tells: noise comes through fifty-fold there.
+pub(crate) const EXCITATION_MIN: f64 = 0.02;
+
+/// Smallest part of a combination that is named as part of it.
+pub(crate) const EXCITATION_NAMED: f64 = 0.3;
+
+/// Weights of the description that are tried. At 1 a body's parameters are held to about their own size, against a motion that
+/// counts each stretch of correlated samples once.
+pub(crate) const RIDGES: [f64; 9] = [0.1, 0.316, 1.0, 3.16, 10.0, 31.6, 100.0, 316.0, 1000.0];
+
+/// Weight of the description before there is a cross-validation: the middle of [`RIDGES`].
+pub(crate) const RIDGE_START: f64 = 10.0;
+
+/// Least deflection before sliding that is tried, as part of the joint's travel: a step of an encoder of 14 bits.
+pub(crate) const DEFLECTION_LEAST: f64 = 1.0e-4;
+
+/// Greatest deflection before sliding that is tried, as part of the joint's travel.
+pub(crate) const DEFLECTION_MOST: f64 = 0.1;
+
+/// Deflections that are tried, a factor of 1.6 apart: the residual is flat about its least.
+pub(crate) const DEFLECTION_STEPS: usize = 16;
+
+/// Rounds of the search for deflections, between which the bodies are fitted again; the second changes one joint in seven.
+pub(crate) const DEFLECTION_ROUNDS: usize = 3;
+
+/// Part of a column's square that is added to it where friction is fitted beside fixed bodies: columns of a slow motion are
+/// alike to 1e-3.
+pub(crate) const FRICTION_SHRINK: f64 = 1.0e-4;
+
+/// The same where a joint's torque is explained by its own columns alone, to find its noise: directions of less than a
+/// thousandth are not used.
+pub(crate) const ALONE_SHRINK: f64 = 1.0e-6;
+
+/// Most samples that the likelihood of a noise is taken over: neighbours are alike, and more change nothing.
+pub(crate) const NOISE_SAMPLES_MAX: usize = 5_000;
+
+/// Standard deviation of load-dependent friction before it is fitted, Coulomb torque over gravity torque: what is published for
+/// harmonic and planetary gears.
+pub(crate) const LOAD_COULOMB_DEVIATION: f64 = 0.05;
+
+/// Numbers that the equations of a fit may have: 160 MB, ten minutes of seven joints.
+pub(crate) const FIT_ENTRIES_MAX: usize = 20_000_000;
+
+/// Radius of gyration about its own centre that a payload is drawn to where none is described, m: that of a small gripper.
+pub(crate) const PAYLOAD_GYRATION: f64 = 0.05;
+
+/// Ranges of position or speed that residuals are told apart by.
+pub(crate) const POSE_BINS: usize = 6;
+
+/// Standard deviations beyond chance at which a residual is said to depend on the pose: one recording in a thousand would without.
+pub(crate) const POSE_CHANCE_DEVIATIONS: f64 = 3.0;
+
+/// How many times as large the error on unseen stretches may be as on fitted ones before it is said.
+pub(crate) const UNSEEN_ERROR_RATIO: f64 = 2.0;
+/// Distance of the nodes at which the simulated arm's inertia, Coriolis and gravity torques are computed, s. Chosen by measurement: with it the
+/// UR5e is off an independent integrator by 3e-8 rad after half a second (1 ms: 7e-8; 50 µs: 2e-10), and an elastic arm of 24 J
+/// keeps its energy to 8e-6 J in a second (6e-5; 8e-9). Pinned by the tests of `drive/plant/tests.rs`.
+pub(crate) const PLANT_NODES: f64 = 5.0e-4;

@@ -2,6 +2,7 @@
 
 mod bodies;
 mod descriptions;
+mod fits;
 mod moves;
 mod programs;
 mod protobuf;

@@ -1,10 +1,12 @@
 mod arc;
 mod constant;
+mod friction;
 mod hostile;
 mod joint;
 mod mixed;
 mod plan;
 mod spline;
+mod stated;
 mod support;
 mod tool;
 mod verified;

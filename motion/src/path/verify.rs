@@ -7,11 +7,14 @@
 //! ```
 //!
 //! and from there to torques by inverse dynamics and to the tool by its own recursion. Of the planner's terms along the
-//! path it uses none. Every interval of the time law is sampled [`PARTS`] times, on both of its ends from within, where
-//! accelerations may jump, and halved until that shows how they vary; between samples every maximum that might be the
-//! largest is found by parabolas; where a joint turns back, its friction is taken on either side.
+//! path it uses none. Every interval of the time law, of the path between its knots, and of its limits is sampled
+//! [`PARTS`] times, on both of its ends from within, where accelerations may jump, and halved until that shows how they
+//! vary, and ends where the load of a joint's friction passes zero; between samples every maximum that might be the largest is searched for ([`extremes`]), with the friction of
+//! either side where a joint turns back.
 
 mod channels;
+mod extremes;
+mod kinks;
 mod state;
 
 use nalgebra::Isometry3;
@@ -25,10 +28,11 @@ use crate::kinematics::{self, ToolMotion};
 use crate::plan::outcome::OverrideSafety;
 use crate::robot::Robot;
 use crate::timing::law::TimeLaw;
-use crate::timing::limits::{Limits, Stretch};
-use crate::tolerance::REFINE_GAIN;
+use crate::timing::limits::Limits;
+use crate::tolerance::{BREAKS_APART, EXTREME_GAIN, PATH_AT_REST};
 use crate::verify::{JointDemand, Point, overrides};
 use channels::{Channels, fill};
+use extremes::{Node, Span, search, way};
 pub(super) use state::State;
 
 /// Samples of an interval of the time law, less one.
@@ -40,8 +44,8 @@ const BLOCK: usize = 48;
 /// How far inside an interval its ends are sampled, as part of it.
 const INSIDE: f64 = 1.0e-9;
 
-/// Rounds of parabolas on a maximum between samples.
-const ROUNDS: usize = 4;
+/// Spans that may hold a channel's maximum, before those that cannot any more are dropped: it bounds the memory.
+const CANDIDATES: usize = 1024;
 
 /// An interval is halved where an acceleration bends from sample to sample by more than this part of its limit: a
 /// parabola then still shows the extreme to a thousandth, from where it is followed.
@@ -49,9 +53,6 @@ const SPLIT_BEND: f64 = 0.02;
 
 /// Smallest scale of a joint's acceleration without a limit, as part of the largest of all: below is rounding.
 const SPLIT_FLOOR: f64 = 1.0e-3;
-
-/// Path speed that is rest at an end, as part of the mean speed: the root of a place's rounding.
-const AT_REST: f64 = 1.0e-6;
 
 /// Most times an interval is halved, and most intervals of a block after it: they bound the work.
 const SPLIT_ROUNDS: usize = 8;
@@ -118,7 +119,7 @@ pub(super) fn examine(
     budget: &Budget<'_>,
 ) -> Result<Examined, Stopped> {
     let mut examiner = Examiner::new(robot, tcp, timed, ranges);
-    let breaks = timed.law.times();
+    let breaks = breaks(timed);
     let mut first = 0;
     while first + 1 < breaks.len() {
         budget.check()?;
@@ -126,7 +127,24 @@ pub(super) fn examine(
         examiner.block(&breaks[first..=last]);
         first = last;
     }
-    Ok(examiner.finish())
+    examiner.finish(budget)
+}
+
+/// When something may jump: where pieces of the time law meet, knots of the path, and places from where other limits hold.
+fn breaks(timed: Timed<'_>) -> Vec<f64> {
+    let mut breaks = timed.law.times().to_vec();
+    let apart = BREAKS_APART * timed.law.duration();
+    let borders = timed.limits.stretches.iter().map(|stretch| stretch.end);
+    for s in timed.curve.knots().iter().copied().chain(borders) {
+        let time = timed.law.time_at(s);
+        let next = breaks.partition_point(|known| *known < time);
+        let near = |index: usize| breaks.get(index).is_none_or(|known| (known - time).abs() <= apart);
+        // beyond the ends there is nothing
+        if next > 0 && !near(next) && !near(next - 1) {
+            breaks.insert(next, time);
+        }
+    }
+    breaks
 }
 
 struct Examiner<'a> {
@@ -137,7 +155,10 @@ struct Examiner<'a> {
     sweep: Sweep,
     state: State,
     torque: Vec<f64>,
+    gravity: Vec<f64>,
     workspace: Workspace,
+    /// Which way the joints move at the samples of a block, laid out as the sweep's columns are.
+    directions: Vec<f64>,
     /// Values of every limit at the samples of a block, sample by sample.
     values: Vec<f64>,
     places: Vec<f64>,
@@ -145,6 +166,8 @@ struct Examiner<'a> {
     examined: Examined,
     /// Index into `examined.tightest` by channel.
     known: Vec<Option<usize>>,
+    /// By channel, where values between samples may be above all that is known.
+    candidates: Vec<Vec<Span>>,
     worst: Option<overrides::Worst>,
 }
 
@@ -163,7 +186,9 @@ impl<'a> Examiner<'a> {
             sweep: Sweep::default(),
             state: State::new(count),
             torque: vec![0.0; count],
+            gravity: vec![0.0; count],
             workspace: Workspace::new(robot),
+            directions: Vec::new(),
             values: Vec::new(),
             places: Vec::new(),
             times: Vec::new(),
@@ -175,6 +200,7 @@ impl<'a> Examiner<'a> {
                 override_safe: None,
             },
             known: vec![None; channels.count()],
+            candidates: vec![Vec::new(); channels.count()],
             worst: None,
         }
     }
@@ -190,6 +216,10 @@ impl<'a> Examiner<'a> {
             self.sample(&breaks);
         }
         self.sweep.compute(self.robot.chain());
+        if self.robot.is_loaded() && self.divide(&mut breaks) {
+            self.sample(&breaks);
+            self.sweep.compute(self.robot.chain());
+        }
         self.add_torques(self.times.len());
         for (interval, ends) in breaks.windows(2).enumerate() {
             self.interval(interval * (PARTS + 1), ends);
@@ -246,6 +276,7 @@ impl<'a> Examiner<'a> {
         let bounds_tool = self.timed.limits.bound_the_tool();
         let channels = self.channels.count();
         self.sweep.reset(count, samples);
+        self.directions.resize(self.sweep.column(count), 0.0);
         self.values.clear();
         self.values.resize(samples * channels, 0.0);
         self.places.clear();
@@ -253,13 +284,14 @@ impl<'a> Examiner<'a> {
         for (interval, ends) in breaks.windows(2).enumerate() {
             for part in 0..=PARTS {
                 let sample = interval * (PARTS + 1) + part;
-                let (time, side) = moment(ends, part);
+                let (time, side) = self.moment(ends, part);
                 self.state.set(self.timed.curve, self.timed.law, time, side);
                 for joint in 0..count {
                     let entry = self.sweep.column(joint) + sample;
                     self.sweep.position[entry] = self.state.position[joint];
                     self.sweep.velocity[entry] = self.state.velocity[joint];
                     self.sweep.acceleration[entry] = self.state.acceleration[joint];
+                    self.directions[entry] = self.state.direction[joint];
                 }
                 let tool = bounds_tool.then(|| self.tool());
                 fill(
@@ -270,6 +302,19 @@ impl<'a> Examiner<'a> {
                 self.places.push(self.state.s);
                 self.times.push(time);
             }
+        }
+    }
+
+    /// When an interval is sampled, and from which side: at both its ends from within, which at those of the whole motion
+    /// is at the ends themselves.
+    fn moment(&self, ends: &[f64], part: usize) -> (f64, Side) {
+        let length = ends[1] - ends[0];
+        match part {
+            0 if ends[0] <= 0.0 => (0.0, Side::After),
+            0 => (ends[0] + INSIDE * length, Side::After),
+            PARTS if ends[1] >= self.timed.law.duration() => (ends[1], Side::Before),
+            PARTS => (ends[1] - INSIDE * length, Side::Before),
+            _ => (ends[0] + length * part as f64 / PARTS as f64, Side::After),
         }
     }
 
@@ -298,9 +343,9 @@ impl<'a> Examiner<'a> {
                     joint,
                     time: self.timed.begin + self.times[sample],
                     segment: 0,
-                    dynamic: self.sweep.torque[entry] - gravity + drive.armature * acceleration,
+                    dynamic: self.sweep.torque[entry] - gravity + drive.armature * acceleration + drive.drag(velocity),
                     viscous: drive.viscous * velocity,
-                    still: gravity + drive.coulomb(velocity),
+                    still: gravity + drive.coulomb(self.directions[entry], gravity),
                     gravity,
                 };
                 let torque = point.torque(1.0);
@@ -351,12 +396,9 @@ impl<'a> Examiner<'a> {
             let value = |part: usize| self.values[(first + part) * self.channels.count() + channel];
             let ratios: [f64; PARTS + 1] = std::array::from_fn(|part| self.channels.ratio(channel, value(part), limit));
             let top = (0..=PARTS).fold(0, |top, part| if ratios[part] > ratios[top] { part } else { top });
-            let known = self.known[channel].map_or(f64::NEG_INFINITY, |known| self.examined.tightest[known].ratio);
             let found = (value(top), self.times[first + top], self.places[first + top]);
             self.keep(channel, limit, found);
-            if bound(&ratios, top) > known.max(ratios[top]) + REFINE_GAIN {
-                self.refine(channel, limit, first, top);
-            }
+            self.consider(channel, limit, first);
             let ranged = matches!(
                 self.channels.of(channel).0,
                 PathLimit::PositionLower | PathLimit::PositionUpper
@@ -364,9 +406,6 @@ impl<'a> Examiner<'a> {
             if !ranged && ruling.is_none_or(|(ratio, _)| ratios[top] > ratio) {
                 ruling = Some((ratios[top], channel));
             }
-        }
-        for joint in 0..self.robot.joint_count() {
-            self.turning(joint, first, stretch);
         }
         if let Some((_, channel)) = ruling {
             let (kind, joint) = self.channels.of(channel);
@@ -411,47 +450,120 @@ impl<'a> Examiner<'a> {
         }
     }
 
-    /// Follows a maximum between the samples on both sides of `top`, by parabolas.
-    fn refine(&mut self, channel: usize, limit: f64, first: usize, top: usize) {
-        let middle = first + top.clamp(1, PARTS - 1);
-        let mut times = [middle - 1, middle, middle + 1].map(|sample| self.times[sample]);
-        let mut ratios = [middle - 1, middle, middle + 1].map(|sample| {
-            let value = self.values[sample * self.channels.count() + channel];
-            self.channels.ratio(channel, value, limit)
-        });
-        for _ in 0..ROUNDS {
-            let Some(time) = parabola_top(times, ratios) else {
-                return;
+    /// Remembers where an interval's channel may be above all that is known, between the samples from `first` on.
+    fn consider(&mut self, channel: usize, limit: f64, first: usize) {
+        let nodes: [Node; PARTS + 1] = std::array::from_fn(|part| self.sampled(channel, limit, first + part));
+        let second = |middle: usize| {
+            let bend = |way: usize| {
+                let [before, here, after] = [middle - 1, middle, middle + 1].map(|part| nodes[part].parts[way]);
+                (before - 2.0 * here + after).abs()
             };
-            let value = self.value_at(channel, time);
-            let s = self.state.s;
-            self.keep(channel, limit, (value, time, s));
-            let ratio = self.channels.ratio(channel, value, limit);
-            if time < times[1] {
-                (times, ratios) = ([times[0], time, times[1]], [ratios[0], ratio, ratios[1]]);
-            } else {
-                (times, ratios) = ([times[1], time, times[2]], [ratios[1], ratio, ratios[2]]);
+            bend(0).max(bend(1)).max(bend(2))
+        };
+        let bends: [f64; PARTS + 1] = std::array::from_fn(|part| second(part.clamp(1, PARTS - 1)));
+        let least = self.ratio_known(channel) + EXTREME_GAIN;
+        for part in 0..PARTS {
+            let around = &bends[part.saturating_sub(1)..(part + 3).min(PARTS + 1)];
+            let span = Span {
+                ends: [nodes[part], nodes[part + 1]],
+                bend: around.iter().fold(0.0, |most: f64, bend| most.max(*bend)),
+                limit,
+            };
+            if span.bound(|part| self.channels.size(channel, part)) > least {
+                self.candidates[channel].push(span);
             }
+        }
+        if self.candidates[channel].len() > CANDIDATES {
+            self.drop_candidates(channel);
         }
     }
 
-    /// The value of one channel at one time.
+    /// The largest part of its limit that is known of a channel.
+    fn ratio_known(&self, channel: usize) -> f64 {
+        self.known[channel].map_or(f64::NEG_INFINITY, |known| self.examined.tightest[known].ratio)
+    }
+
+    /// Drops the spans that cannot be above what is known by now.
+    fn drop_candidates(&mut self, channel: usize) {
+        let least = self.ratio_known(channel) + EXTREME_GAIN;
+        let size = |part: f64| self.channels.size(channel, part);
+        self.candidates[channel].retain(|span| span.bound(size) > least);
+    }
+
+    /// Follows every maximum between samples that may be its channel's largest.
+    fn follow(&mut self, budget: &Budget<'_>) -> Result<(), Stopped> {
+        let channels = self.channels;
+        for channel in 0..channels.count() {
+            self.drop_candidates(channel);
+            let spans = std::mem::take(&mut self.candidates[channel]);
+            let known = self.ratio_known(channel);
+            let size = |part: f64| channels.size(channel, part);
+            search(
+                spans,
+                known,
+                size,
+                |span, time| self.evaluated(channel, span.limit, time),
+                budget,
+            )?;
+        }
+        Ok(())
+    }
+
+    /// A sample of a channel.
+    fn sampled(&self, channel: usize, limit: f64, sample: usize) -> Node {
+        let value = self.values[sample * self.channels.count() + channel];
+        let time = self.times[sample];
+        let part = |value: f64| self.channels.part(channel, value, limit);
+        let (PathLimit::Torque, Some(joint)) = self.channels.of(channel) else {
+            return Node {
+                time,
+                parts: [part(value); 3],
+                way: way(0.0),
+                rates: [0.0; 2],
+            };
+        };
+        let entry = self.sweep.column(joint) + sample;
+        let drive = self.robot.drives()[joint];
+        let (direction, gravity) = (self.directions[entry], self.sweep.gravity[entry]);
+        let smooth = value - drive.coulomb(direction, gravity);
+        Node {
+            time,
+            parts: [-1.0, 0.0, 1.0].map(|way| part(smooth + drive.coulomb(way, gravity))),
+            way: way(direction),
+            rates: [self.sweep.velocity[entry], self.sweep.acceleration[entry]],
+        }
+    }
+
+    /// A channel at some time, kept where it is the tightest.
+    fn evaluated(&mut self, channel: usize, limit: f64, time: f64) -> Node {
+        let channels = self.channels;
+        let part = |value: f64| channels.part(channel, value, limit);
+        let (PathLimit::Torque, Some(joint)) = channels.of(channel) else {
+            let value = self.value_at(channel, time);
+            self.keep(channel, limit, (value, time, self.state.s));
+            return Node {
+                time,
+                parts: [part(value); 3],
+                way: way(0.0),
+                rates: [0.0; 2],
+            };
+        };
+        let torques = self.torques_at(joint, time);
+        let way = way(self.state.direction[joint]);
+        self.keep(channel, limit, (torques[way], time, self.state.s));
+        Node {
+            time,
+            parts: torques.map(part),
+            way,
+            rates: [self.state.velocity[joint], self.state.acceleration[joint]],
+        }
+    }
+
+    /// The value of one channel but the torques' at one time.
     fn value_at(&mut self, channel: usize, time: f64) -> f64 {
         self.state.set(self.timed.curve, self.timed.law, time, Side::After);
-        let (kind, joint) = self.channels.of(channel);
         let state = &self.state;
-        match (kind, joint) {
-            (PathLimit::Torque, Some(joint)) => {
-                dynamics::drive_torque(
-                    self.robot,
-                    &mut self.workspace,
-                    &state.position,
-                    &state.velocity,
-                    &state.acceleration,
-                    &mut self.torque,
-                );
-                self.torque[joint]
-            }
+        match self.channels.of(channel) {
             (PathLimit::Velocity, Some(joint)) => state.velocity[joint],
             (PathLimit::Acceleration, Some(joint)) => state.acceleration[joint],
             (PathLimit::Jerk, Some(joint)) => state.jerk[joint],
@@ -461,37 +573,34 @@ impl<'a> Examiner<'a> {
         }
     }
 
-    /// Where a joint turns back between two samples, friction acts first against one direction, then against the other.
-    fn turning(&mut self, joint: usize, first: usize, stretch: &Stretch) {
-        let Some(limit) = stretch.joints[joint].torque else {
-            return;
-        };
-        let drive = self.robot.drives()[joint];
-        for sample in first..first + PARTS {
-            let column = self.sweep.column(joint);
-            let (before, after) = (
-                self.sweep.velocity[column + sample],
-                self.sweep.velocity[column + sample + 1],
-            );
-            if before * after >= 0.0 {
-                continue;
-            }
-            let part = before / (before - after);
-            let time = self.times[sample] + part * (self.times[sample + 1] - self.times[sample]);
-            let channel = Channels::torque(joint);
-            let torque = self.value_at(channel, time) - drive.coulomb(self.state.velocity[joint]);
-            for direction in [1.0, -1.0] {
-                let found = (torque + drive.coulomb(direction), time, self.state.s);
-                self.keep(channel, limit, found);
-            }
+    /// The torque of a drive at one time with Coulomb friction against a motion backwards, without, and against one
+    /// forwards: [`way`] says which of them holds.
+    fn torques_at(&mut self, joint: usize, time: f64) -> [f64; 3] {
+        self.state.set(self.timed.curve, self.timed.law, time, Side::After);
+        let state = &self.state;
+        let (velocity, acceleration) = (state.velocity[joint], state.acceleration[joint]);
+        dynamics::rigid_torque(
+            self.robot,
+            &mut self.workspace,
+            &state.position,
+            &state.velocity,
+            &state.acceleration,
+            &mut self.torque,
+        );
+        // stays zero where no friction depends on it
+        if self.robot.is_loaded() {
+            dynamics::gravity_torque(self.robot, &mut self.workspace, &state.position, &mut self.gravity);
         }
+        let drive = self.robot.drives()[joint];
+        let (rigid, gravity) = (self.torque[joint] + drive.armature * acceleration, self.gravity[joint]);
+        [-1.0, 0.0, 1.0].map(|way| rigid + drive.friction_towards(velocity, way, gravity))
     }
 
     /// Looks at the arm held still where the path begins and ends, without the help of friction.
     fn hold(&mut self) {
         let duration = self.timed.law.duration();
         let limits = self.timed.limits;
-        let slow = AT_REST * self.timed.curve.length();
+        let slow = PATH_AT_REST * self.timed.curve.length();
         for (time, side) in [(0.0, Side::After), (duration, Side::Before)] {
             if self.timed.law.at(time).velocity * duration > slow {
                 continue;
@@ -509,8 +618,9 @@ impl<'a> Examiner<'a> {
         }
     }
 
-    fn finish(mut self) -> Examined {
+    fn finish(mut self, budget: &Budget<'_>) -> Result<Examined, Stopped> {
         self.hold();
+        self.follow(budget)?;
         let of_torque = |tightest: &&Tightest| tightest.kind == PathLimit::Torque;
         let torques = self.examined.tightest.iter().filter(of_torque);
         let worst = torques.fold(None::<Tightest>, |worst, tightest| match worst {
@@ -527,19 +637,18 @@ impl<'a> Examiner<'a> {
                     .fold(f64::INFINITY, f64::min),
             )
         });
-        self.examined
+        Ok(self.examined)
     }
 
     /// A torque by how it scales with speed.
     fn split(&mut self, tightest: &Tightest) -> Option<Point> {
         let joint = tightest.joint?;
-        let channel = Channels::torque(joint);
-        let total = self.value_at(channel, tightest.time - self.timed.begin);
-        let mut gravity = vec![0.0; self.torque.len()];
-        dynamics::gravity_torque(self.robot, &mut self.workspace, &self.state.position, &mut gravity);
+        let [_, smooth, _] = self.torques_at(joint, tightest.time - self.timed.begin);
+        dynamics::gravity_torque(self.robot, &mut self.workspace, &self.state.position, &mut self.gravity);
+        let gravity = self.gravity[joint];
         let drive = self.robot.drives()[joint];
         let velocity = self.state.velocity[joint];
-        if tightest.value == gravity[joint] {
+        if tightest.value == gravity {
             // held still: no speed makes it less
             return Some(Point {
                 joint,
@@ -552,45 +661,16 @@ impl<'a> Examiner<'a> {
             });
         }
         let viscous = drive.viscous * velocity;
-        // friction may act the other way than at the sample, where the joint turns back just there
-        let coulomb = tightest.value - total + drive.coulomb(velocity);
+        // which way it acts, the torque says itself: where the joint turns back just there, it does either
+        let coulomb = tightest.value - smooth;
         Some(Point {
             joint,
             time: tightest.time,
             segment: 0,
-            dynamic: tightest.value - coulomb - viscous - gravity[joint],
+            dynamic: tightest.value - coulomb - viscous - gravity,
             viscous,
-            still: gravity[joint] + coulomb,
-            gravity: gravity[joint],
+            still: gravity + coulomb,
+            gravity,
         })
     }
-}
-
-/// When an interval is sampled, and from which side.
-fn moment(ends: &[f64], part: usize) -> (f64, Side) {
-    let length = ends[1] - ends[0];
-    match part {
-        0 => (ends[0] + INSIDE * length, Side::After),
-        PARTS => (ends[1] - INSIDE * length, Side::Before),
-        _ => (ends[0] + length * part as f64 / PARTS as f64, Side::After),
-    }
-}
-
-/// How high samples' maximum may reach between them: a parabola through three rises above them by at most an eighth of
-/// their second difference.
-fn bound(ratios: &[f64; PARTS + 1], top: usize) -> f64 {
-    let middle = top.clamp(1, PARTS - 1);
-    let bend = 2.0 * ratios[middle] - ratios[middle - 1] - ratios[middle + 1];
-    ratios[top] + bend.max(0.0) / 8.0
-}
-
-/// Where the parabola through three points has its top; `None` where it has none between them, or at the middle.
-fn parabola_top(t: [f64; 3], y: [f64; 3]) -> Option<f64> {
-    let (left, right) = ((y[1] - y[0]) / (t[1] - t[0]), (y[2] - y[1]) / (t[2] - t[1]));
-    let curvature = (right - left) / (t[2] - t[0]);
-    if curvature.is_nan() || curvature >= 0.0 {
-        return None;
-    }
-    let time = 0.5 * (t[0] + t[1]) - 0.5 * left / curvature;
-    (time > t[0] && time < t[2] && time != t[1]).then_some(time)
 }

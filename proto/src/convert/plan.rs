@@ -9,7 +9,7 @@ use takt_motion::plan::{
 };
 use takt_motion::robot::{JOINTS_MAX, spec::RobotSpec};
 
-use super::{Findings, Path, quoted, robot};
+use super::{Findings, Path, quoted, robot, unknown};
 use crate::v1;
 
 const METHODS: &str = "PRESET, ENDPOINT, VERIFIED";
@@ -72,11 +72,12 @@ pub(super) fn limit_overrides(
     for (index, limit) in wire.into_iter().enumerate() {
         let at = at.index(index);
         let joint_at = at.field("joint");
-        let known = robot.is_none_or(|robot| robot.joints.iter().any(|joint| joint.name == limit.joint));
+        let stranger = robot.filter(|robot| robot.joints.iter().all(|joint| joint.name != limit.joint));
         if limit.joint.is_empty() {
             findings.push(joint_at, "must be given");
-        } else if !known {
-            findings.push(joint_at, format!("the robot has no joint {}", quoted(&limit.joint)));
+        } else if let Some(robot) = stranger {
+            let known = robot.joints.iter().map(|joint| joint.name.as_str());
+            findings.push(joint_at, unknown("joint", &limit.joint, known));
         } else if limits.iter().any(|other| other.joint == limit.joint) {
             findings.push(joint_at, format!("{} is there twice", quoted(&limit.joint)));
         }

@@ -1,0 +1,137 @@
+//! A motion as it was recorded, and what can be wrong with it.
+
+use crate::drive::fit::report::BAND_DEFAULT;
+use crate::error::Invalid;
+use crate::robot::Robot;
+use crate::tolerance::{FIT_BAND_MAX, FIT_BAND_MIN, FIT_SAMPLES_MAX, FIT_VALUE_MAX};
+
+/// What the drives did over some time: joints in model order, one value a sample in each of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    /// Time stamps, s: increasing, not necessarily evenly.
+    pub time: Vec<f64>,
+    /// Positions of each joint, rad or m.
+    pub position: Vec<Vec<f64>>,
+    /// Speeds of each joint, rad/s or m/s; `None`: they are taken from the positions. Where the controller measured them they are the better
+    /// ones: time stamps of a log jitter.
+    pub velocity: Option<Vec<Vec<f64>>>,
+    /// What drove the joints.
+    pub effort: Effort,
+}
+
+/// What drove the joints: one row a joint, one value a sample.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Effort {
+    /// Torque at the joint in the direction of driving, N m or N.
+    Torque(Vec<Vec<f64>>),
+    /// Motor current, A: times torque constant and gear ratio it is the torque at the joint.
+    Current(Vec<Vec<f64>>),
+}
+
+/// Which part of a recording, and in which band.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Selection {
+    /// First and last time, s, of the recording's own; `None`: all of it.
+    pub range: Option<(f64, f64)>,
+    /// Corner of the low-pass filter that torque and model both go through, Hz.
+    pub band: f64,
+}
+
+impl Default for Selection {
+    fn default() -> Self {
+        Self {
+            range: None,
+            band: BAND_DEFAULT,
+        }
+    }
+}
+
+/// All that is wrong with a recording of an arm.
+pub(crate) fn check(robot: &Robot, recording: &Recording, selection: &Selection) -> Vec<Invalid> {
+    let mut faults = Vec::new();
+    let count = recording.time.len();
+    if count < 2 {
+        faults.push(Invalid::new(
+            "time",
+            format!("{count} samples are too few to be a motion"),
+        ));
+    }
+    if count > FIT_SAMPLES_MAX {
+        faults.push(Invalid::new(
+            "time",
+            format!("{count} samples, the most is {FIT_SAMPLES_MAX}"),
+        ));
+    }
+    if let Some(i) = recording.time.iter().position(|t| !(t.abs() <= FIT_VALUE_MAX)) {
+        faults.push(Invalid::new(
+            format!("time[{i}]"),
+            format!("{} is no time stamp", recording.time[i]),
+        ));
+    }
+    if let Some(i) = recording.time.windows(2).position(|pair| !(pair[0] < pair[1])) {
+        let (before, after) = (recording.time[i], recording.time[i + 1]);
+        let message = format!("{after} s must be after {before} s, the sample before");
+        faults.push(Invalid::new(format!("time[{}]", i + 1), message));
+    }
+    check_series(robot, "position", &recording.position, count, &mut faults);
+    if let Some(velocity) = &recording.velocity {
+        check_series(robot, "velocity", velocity, count, &mut faults);
+    }
+    match &recording.effort {
+        Effort::Torque(torque) => check_series(robot, "torque", torque, count, &mut faults),
+        Effort::Current(current) => {
+            check_series(robot, "current", current, count, &mut faults);
+            for joint in &robot.spec().joints {
+                if joint.drive.torque_constant.is_none() {
+                    let message = format!("joint \"{}\" has no torque constant to make a torque of it", joint.name);
+                    faults.push(Invalid::new("current", message));
+                }
+            }
+        }
+    }
+    let band = selection.band;
+    if !(FIT_BAND_MIN..=FIT_BAND_MAX).contains(&band) {
+        let message = format!("{band} Hz must be between {FIT_BAND_MIN} and {FIT_BAND_MAX} Hz");
+        faults.push(Invalid::new("band", message));
+    }
+    if let Some((from, to)) = selection.range
+        && !(from.is_finite() && to.is_finite() && from < to)
+    {
+        faults.push(Invalid::new("range", format!("from {from} s to {to} s is no time")));
+    }
+    faults
+}
+
+fn check_series(robot: &Robot, name: &str, series: &[Vec<f64>], count: usize, faults: &mut Vec<Invalid>) {
+    if series.len() != robot.joint_count() {
+        let message = format!("{} joints, the arm has {}", series.len(), robot.joint_count());
+        faults.push(Invalid::new(name, message));
+    }
+    for (j, values) in series.iter().enumerate() {
+        if values.len() != count {
+            let message = format!("{} values for {count} time stamps", values.len());
+            faults.push(Invalid::new(format!("{name}[{j}]"), message));
+        }
+        if let Some(i) = values.iter().position(|value| !(value.abs() <= FIT_VALUE_MAX)) {
+            let message = format!("{} must be a number up to {FIT_VALUE_MAX:e}", values[i]);
+            faults.push(Invalid::new(format!("{name}[{j}][{i}]"), message));
+        }
+    }
+}
+
+impl Recording {
+    /// Torques at the joints, N m or N; the arm must have its torque constants where currents were recorded.
+    pub(crate) fn torque(&self, robot: &Robot) -> Vec<Vec<f64>> {
+        match &self.effort {
+            Effort::Torque(torque) => torque.clone(),
+            Effort::Current(current) => {
+                let drives = robot.spec().joints.iter().map(|joint| &joint.drive);
+                let scaled = current.iter().zip(drives).map(|(current, drive)| {
+                    let factor = drive.torque_constant.unwrap_or(0.0) * drive.gear_ratio;
+                    current.iter().map(|i| i * factor).collect()
+                });
+                scaled.collect()
+            }
+        }
+    }
+}
