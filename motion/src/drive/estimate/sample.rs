@@ -4,6 +4,7 @@ use std::f64::consts::LN_2;
 
 use super::filter::FilterStep;
 use super::joint::{Given, JointState, Reading, Sample, Step};
+use super::least_squares::Worth;
 use super::observer::LagStep;
 use super::{
     Combination, EstimatorMethod, FrictionEstimator, Memory, MotorTorqueSource, PositionSource, TERMS_MAX,
@@ -12,8 +13,8 @@ use super::{
 use crate::drive::telemetry::Telemetry;
 use crate::dynamics::rnea;
 use crate::tolerance::{
-    POSITION_MAX, TELEMETRY_ACCELERATION_MAX, TELEMETRY_STEP_MIN, TELEMETRY_TIME_MAX, TELEMETRY_TORQUE_MAX,
-    TELEMETRY_VELOCITY_MAX,
+    POSITION_MAX, TELEMETRY_ACCELERATION_MAX, TELEMETRY_STEP_GRID, TELEMETRY_STEP_MIN, TELEMETRY_TIME_MAX,
+    TELEMETRY_TORQUE_MAX, TELEMETRY_VELOCITY_MAX,
 };
 
 enum Unreadable {
@@ -43,7 +44,10 @@ impl FrictionEstimator {
                 return;
             }
         }
-        let seconds = self.time.map(|last| time - last);
+        // in whole parts, so that samples at one interval have one step, whatever their times are rounded to
+        let seconds = self
+            .time
+            .map(|last| libm::rint((time - last) / TELEMETRY_STEP_GRID) * TELEMETRY_STEP_GRID);
         if seconds.is_some_and(|seconds| seconds < TELEMETRY_STEP_MIN) {
             self.skipped.time_went_backwards += 1;
             return;
@@ -76,7 +80,7 @@ impl FrictionEstimator {
         };
         let external = if combination.external_torque { 1.0 } else { 0.0 };
         for (joint, (reading, model)) in self.scratch.readings.iter_mut().zip(&self.models).enumerate() {
-            let motor = at(&block.motor_position, joint) / model.gear_ratio;
+            let motor = at(&block.motor_position, joint) * model.joint_over_motor;
             let position = match combination.position {
                 PositionSource::Output => at(&block.output_position, joint),
                 PositionSource::Motor => motor,
@@ -194,19 +198,24 @@ impl FrictionEstimator {
         {
             return step;
         }
+        let lambda = match self.options.memory {
+            Memory::Forever => 1.0,
+            Memory::Factor(lambda) => lambda,
+            Memory::HalfLife(half_life) => libm::exp(-LN_2 * seconds / half_life),
+        };
         let step = Step {
             seconds,
             filter: self
                 .options
                 .bandwidth
                 .map(|bandwidth| FilterStep::new(bandwidth, seconds)),
-            lag: LagStep::new(self.options.observer_rate, seconds),
-            lambda: match self.options.memory {
-                Memory::Forever => 1.0,
-                Memory::Factor(lambda) => lambda,
-                Memory::HalfLife(half_life) => libm::exp(-LN_2 * seconds / half_life),
-            },
-            weight: (0.5 * seconds / self.options.correlation_time).min(1.0),
+            lag: (self.rules.method == EstimatorMethod::Observer)
+                .then(|| LagStep::new(self.options.observer_rate, seconds)),
+            worth: Worth::new(
+                (0.5 * seconds / self.options.correlation_time).min(1.0),
+                lambda,
+                seconds,
+            ),
         };
         self.scratch.step = Some(step);
         step
