@@ -26,6 +26,7 @@
 #![warn(missing_docs)]
 
 pub mod budget;
+pub mod confidence;
 mod curve;
 pub mod drive;
 pub mod dynamics;

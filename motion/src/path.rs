@@ -19,6 +19,7 @@ mod build;
 mod chain;
 mod check;
 mod circle;
+pub(crate) mod confident;
 mod constant;
 mod corner;
 mod evidence;

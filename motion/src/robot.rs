@@ -15,6 +15,7 @@ pub mod urdf_writer;
 
 use std::sync::Arc;
 
+use crate::confidence::Factor;
 use crate::dynamics::chain::Chain;
 use crate::dynamics::drive::{DriveTerms, any_loaded};
 use crate::error::Invalid;
@@ -43,13 +44,16 @@ struct Model {
     /// Some drive's friction depends on its gravity torque.
     is_loaded: bool,
     presets: Vec<Option<Preset>>,
+    /// `None`: its parameters are taken as exact.
+    factor: Option<Factor>,
 }
 
 impl Robot {
     /// Makes a robot of a description. `warnings` are what its reader found odd; they stay with the robot.
     ///
     /// # Errors
-    /// Where nothing can be computed: no joint, more than [`JOINTS_MAX`], or a mass matrix that is singular.
+    /// Where nothing can be computed: no joint, more than [`JOINTS_MAX`], a mass matrix that is singular, or an uncertainty
+    /// that is none.
     pub fn new(spec: RobotSpec, mut warnings: Vec<String>) -> Result<Self, Vec<Invalid>> {
         let count = spec.joints.len();
         if count == 0 {
@@ -59,6 +63,7 @@ impl Robot {
             let message = format!("the chain has {count} moving joints, the most is {JOINTS_MAX}");
             return Err(vec![Invalid::new("", message)]);
         }
+        let factor = Factor::new(&spec)?;
         let bare = Chain::new(&spec);
         let drives: Vec<DriveTerms> = spec.joints.iter().map(|joint| DriveTerms::new(&joint.drive)).collect();
         let payload = spec.payload.on_last_link(&spec);
@@ -72,6 +77,7 @@ impl Robot {
             is_loaded: any_loaded(&drives),
             drives,
             presets,
+            factor,
         };
         Ok(Self {
             model: Arc::new(model),
@@ -123,6 +129,10 @@ impl Robot {
 
     pub(crate) fn chain(&self) -> &Chain {
         &self.chain
+    }
+
+    pub(crate) fn factor(&self) -> Option<&Factor> {
+        self.model.factor.as_ref()
     }
 
     pub(crate) fn drives(&self) -> &[DriveTerms] {

@@ -1,4 +1,5 @@
 mod arc;
+mod confident;
 mod constant;
 mod friction;
 mod hostile;
