@@ -232,6 +232,7 @@ const RATIOS: &[&str] = &[
     "normal",
     "steepness",
     "singular",
+    "degrees_of_freedom",
 ];
 
 /// Units as comments write them.

@@ -179,7 +179,7 @@ fn run(run: &v1::RehearsalRun) -> bool {
         && own.all(|column| all(column))
 }
 
-fn all(numbers: &[f64]) -> bool {
+pub(super) fn all(numbers: &[f64]) -> bool {
     numbers.iter().all(|number| number.is_finite())
 }
 
