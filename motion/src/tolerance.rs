@@ -647,6 +647,13 @@ pub(crate) const TELEMETRY_ACCELERATION_MAX: f64 = 1.0e6;
 /// Largest torque in telemetry at the joint, N m or N.
 pub(crate) const TELEMETRY_TORQUE_MAX: f64 = 1.0e7;
 
+/// Largest time of a sample, s: three hundred years on any clock. One sample beyond would make all others late.
+pub(crate) const TELEMETRY_TIME_MAX: f64 = 1.0e10;
+
+/// What times between samples are whole multiples of, s: 60 ns, a twentieth of what a drive's clock resolves, and 6e-5 of a
+/// millisecond at most. A power of two, so that multiples are exact.
+pub(crate) const TELEMETRY_STEP_GRID: f64 = 1.0 / 16_777_216.0;
+
 /// Shortest time between two samples, s: below it differences of positions are rounding.
 pub(crate) const TELEMETRY_STEP_MIN: f64 = 1.0e-6;
 

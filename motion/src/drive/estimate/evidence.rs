@@ -18,7 +18,6 @@
 
 use super::factor::{UnitFactor, lower, sandwich, times};
 use super::law::{TERMS_MAX, TRIANGLE};
-use super::least_squares::Row;
 use crate::tolerance::{ESTIMATE_BLOCK_SECONDS, ESTIMATE_BLOCKS_MIN};
 
 /// Lengths of blocks.
@@ -142,17 +141,24 @@ impl Evidence {
         }
     }
 
-    /// Adds a sample with its residual, of the variance of the noise, and with what would remain of it if it counted in full.
+    /// Adds a sample: what would remain of its torque if it counted in full.
     #[inline(always)]
-    pub(super) fn add<const N: usize>(&mut self, row: &Row<'_>, residual: f64, remaining: f64) {
+    pub(super) fn add<const N: usize>(
+        &mut self,
+        psi: &[f64; TERMS_MAX],
+        weight: f64,
+        lambda: f64,
+        seconds: f64,
+        remaining: f64,
+    ) {
         let open = &mut self.levels[0];
-        let weighted = row.weight * remaining;
+        let weighted = weight * remaining;
         for index in 0..N {
-            open.scores[index] = row.lambda * open.scores[index] + weighted * row.psi[index];
+            open.scores[index] = lambda * open.scores[index] + weighted * psi[index];
         }
-        open.impulse += residual * row.seconds;
-        open.decay *= row.lambda;
-        open.seconds += row.seconds;
+        open.impulse += remaining * seconds;
+        open.decay *= lambda;
+        open.seconds += seconds;
         if open.seconds >= ESTIMATE_BLOCK_SECONDS {
             self.close();
         }

@@ -140,9 +140,10 @@ impl UnitFactor {
         matrix
     }
 
-    /// Takes in a measurement of ψ·f with a noise of variance `noise` > 0, and says by how much the estimate moves.
+    /// Takes in a measurement of ψ·f with a noise of variance `noise` > 0, whose inverse is `information`, and says by how much the
+    /// estimate moves.
     #[inline(always)]
-    pub(super) fn measure<const N: usize>(&mut self, psi: &[f64; TERMS_MAX], noise: f64) -> Gain {
+    pub(super) fn measure<const N: usize>(&mut self, psi: &[f64; TERMS_MAX], noise: f64, information: f64) -> Gain {
         let mut turned = [0.0; N];
         for j in 0..N {
             let mut sum = psi[j];
@@ -153,7 +154,7 @@ impl UnitFactor {
         }
         let mut gain = [0.0; TERMS_MAX];
         let mut alpha = noise;
-        let mut inverse = 1.0 / noise;
+        let mut inverse = information;
         for j in 0..N {
             let weighted = self.diagonal[j] * turned[j];
             let next = alpha + turned[j] * weighted;
@@ -177,10 +178,9 @@ impl UnitFactor {
         }
     }
 
-    /// The matrix over λ.
+    /// The matrix times a factor.
     #[inline(always)]
-    pub(super) fn forget<const N: usize>(&mut self, lambda: f64) {
-        let growth = 1.0 / lambda;
+    pub(super) fn grow<const N: usize>(&mut self, growth: f64) {
         for value in self.diagonal.iter_mut().take(N) {
             *value *= growth;
         }
@@ -267,7 +267,7 @@ mod tests {
         let mut factor = UnitFactor::of(3, &triangle).unwrap();
         let mut psi = [0.0; TERMS_MAX];
         psi[..3].copy_from_slice(&values(3, 2.0, state));
-        let gain = factor.measure::<3>(&psi, 0.3);
+        let gain = factor.measure::<3>(&psi, 0.3, 1.0 / 0.3);
         let row = DVector::from_column_slice(&psi[..3]);
         let spread = (row.transpose() * &matrix * &row)[(0, 0)];
         let textbook = &matrix * &row / (0.3 + spread);

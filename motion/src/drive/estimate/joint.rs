@@ -5,7 +5,7 @@ use super::excitation::Excitation;
 use super::filter::{Filter, FilterStep};
 use super::kalman::{Kalman, Taken};
 use super::law::{self, FrictionLaw, TERMS_MAX, TRIANGLE};
-use super::least_squares::{LeastSquares, Row};
+use super::least_squares::{LeastSquares, Row, Worth};
 use super::model::JointModel;
 use super::observer::{LagStep, Observer};
 use super::options::{EstimatorMethod, FrictionSide};
@@ -70,10 +70,10 @@ pub(super) struct Step {
     pub(super) seconds: f64,
     /// `None`: signals are not filtered.
     pub(super) filter: Option<FilterStep>,
-    pub(super) lag: LagStep,
-    pub(super) lambda: f64,
-    /// How much of a new sample one is, by its time over that for which residuals stay alike.
-    pub(super) weight: f64,
+    /// Of the observer, where there is one.
+    pub(super) lag: Option<LagStep>,
+    /// How much of a new sample one is, by its time over that for which residuals stay alike; and how it is forgotten.
+    pub(super) worth: Worth,
 }
 
 /// What the options say, worked out.
@@ -227,11 +227,11 @@ impl JointState {
     #[inline(always)]
     pub(super) fn estimate(&mut self, model: &JointModel, rules: &Rules, step: &Step, sample: &Sample) {
         let psi = rules.law.regressors(sample.velocity, sample.gravity);
-        if rules.method == EstimatorMethod::Observer {
+        if let Some(lag) = &step.lag {
             self.observer
-                .update(&step.lag, model.armature, sample.torque, sample.rotor_velocity);
+                .update(lag, model.armature, sample.torque, sample.rotor_velocity);
             for ((lagged, last), &psi) in self.lagged.iter_mut().zip(&mut self.regressors).zip(&psi) {
-                *lagged = step.lag.follow(*lagged, *last, psi);
+                *lagged = lag.follow(*lagged, *last, psi);
                 *last = psi;
             }
             if sample.telling {
@@ -252,17 +252,18 @@ impl JointState {
             self.skipped.out_of_range += 1;
             return;
         }
-        let residual = if rules.method == EstimatorMethod::Kalman {
+        let square = if rules.method == EstimatorMethod::Kalman {
             self.kalman.wander(self.waiting);
             self.waiting = 0.0;
-            let taken = self
+            let (variance, weight) = (self.spread.robust, step.worth.weight());
+            match self
                 .kalman
-                .update(psi, torque, self.spread.robust, step.weight, rules.outlier_threshold);
-            match taken {
-                Taken::Used(residual) => residual,
-                Taken::Outlier(residual) => {
+                .update(psi, torque, variance, weight, rules.outlier_threshold)
+            {
+                Taken::Used(square) => square,
+                Taken::Outlier(square) => {
                     // it is heard of here alone: where all torques have changed, the gate opens
-                    self.spread.add(residual, step.seconds);
+                    self.spread.add(square, step.seconds);
                     self.skipped.outlier += 1;
                     return;
                 }
@@ -272,41 +273,27 @@ impl JointState {
                 }
             }
         } else {
-            let discount = self.discount(rules, torque, psi);
             let row = Row {
                 psi,
                 torque,
-                weight: step.weight * discount,
-                lambda: step.lambda,
-                seconds: step.seconds,
+                worth: step.worth,
+                bound: match rules.outlier_threshold {
+                    Some(threshold) => threshold * threshold * self.spread.robust,
+                    None => f64::INFINITY,
+                },
             };
-            let Some(residual) = self.least_squares.update(&row) else {
+            let Some(fitted) = self.least_squares.update(&row) else {
                 self.skipped.out_of_range += 1;
                 return;
             };
-            self.discounted += u64::from(discount < 1.0);
-            residual
+            self.discounted += u64::from(fitted.is_discounted);
+            fitted.square
         };
-        self.spread.add(residual, step.seconds);
+        self.spread.add(square, step.seconds);
         self.excitation
-            .add(sample.velocity, sample.gravity, step.lambda, step.seconds);
+            .add(sample.velocity, sample.gravity, step.worth.lambda(), step.seconds);
         self.friction = torque;
         self.used += 1;
-    }
-
-    /// Huber's weight: 1, or less where the torque is further off than the noise and the coefficients' errors explain.
-    #[inline(always)]
-    fn discount(&self, rules: &Rules, torque: f64, psi: &[f64; TERMS_MAX]) -> f64 {
-        let Some(threshold) = rules.outlier_threshold else {
-            return 1.0;
-        };
-        let innovation = torque - self.least_squares.predicted(psi);
-        let bound = threshold * threshold * self.spread.robust;
-        if innovation * innovation <= bound {
-            return 1.0;
-        }
-        let bound = bound * (1.0 + self.least_squares.factor.spread(self.least_squares.count, psi));
-        libm::sqrt(bound / (innovation * innovation)).min(1.0)
     }
 
     /// The coefficients.

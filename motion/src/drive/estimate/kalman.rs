@@ -29,25 +29,15 @@ pub(super) struct Kalman {
 /// What became of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Taken {
-    /// It was used; its residual, of the variance of the noise whatever the estimate still lacks.
+    /// It was used; the square of its residual, of the variance of the noise whatever the estimate still lacks.
     Used(f64),
-    /// Its innovation was beyond the gate; its residual.
+    /// Its innovation was beyond the gate; the square of its residual.
     Outlier(f64),
     /// It was not finite: nothing changed.
     NotFinite,
 }
 
 impl Kalman {
-    /// Torque that the terms add up to.
-    #[inline(always)]
-    pub(super) fn predicted(&self, psi: &[f64; TERMS_MAX]) -> f64 {
-        let mut sum = 0.0;
-        for index in 0..TERMS_MAX {
-            sum += psi[index] * self.coefficients[index];
-        }
-        sum
-    }
-
     /// Lets time pass.
     #[inline(always)]
     pub(super) fn wander(&mut self, seconds: f64) {
@@ -87,11 +77,11 @@ impl Kalman {
         weight: f64,
         gate: Option<f64>,
     ) -> Taken {
-        let innovation = torque - self.predicted(psi);
         let noise = variance / weight;
         let mut product = [0.0; N];
-        let mut spread = 0.0;
+        let (mut spread, mut predicted) = (0.0, 0.0);
         for row in 0..N {
+            predicted += psi[row] * self.coefficients[row];
             let mut sum = 0.0;
             for column in 0..N {
                 sum += self.covariance[lower(row, column)] * psi[column];
@@ -99,18 +89,21 @@ impl Kalman {
             product[row] = sum;
             spread += psi[row] * sum;
         }
+        let innovation = torque - predicted;
+        let square = innovation * innovation;
         let total = spread + noise;
-        if !(innovation * innovation + total).is_finite() || total <= 0.0 {
+        if !(square + total).is_finite() || total <= 0.0 {
             return Taken::NotFinite;
         }
         let expected = spread + variance;
-        let residual = innovation * libm::sqrt(variance / expected);
-        if gate.is_some_and(|gate| innovation * innovation > gate * gate * expected) {
+        let residual = square * (variance / expected);
+        if gate.is_some_and(|gate| square > gate * gate * expected) {
             return Taken::Outlier(residual);
         }
         let mut gain = [0.0; N];
+        let inverse = 1.0 / total;
         for row in 0..N {
-            gain[row] = product[row] / total;
+            gain[row] = product[row] * inverse;
             self.coefficients[row] += gain[row] * innovation;
         }
         // (I − K·ψ)·P, and what it makes of ψ

@@ -35,12 +35,56 @@ pub(super) struct Row<'a> {
     pub(super) psi: &'a [f64; TERMS_MAX],
     /// Torque that the terms should add up to.
     pub(super) torque: f64,
+    pub(super) worth: Worth,
+    /// Square of the innovation from which on it counts less (Huber), once the coefficients' errors are taken off.
+    pub(super) bound: f64,
+}
+
+/// What a sample counts for; worked out once for all joints.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Worth {
     /// Its weight, > 0.
-    pub(super) weight: f64,
+    weight: f64,
     /// λ, above 0 and at most 1.
-    pub(super) lambda: f64,
+    lambda: f64,
     /// Seconds that it stands for.
     pub(super) seconds: f64,
+    /// 1/λ.
+    growth: f64,
+    /// λ/w, and w/λ.
+    noise: f64,
+    information: f64,
+}
+
+/// What became of a sample.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Fitted {
+    /// Square of its residual, of the variance of the noise whatever the estimate still lacks.
+    pub(super) square: f64,
+    /// It counted less, because its torque did not fit.
+    pub(super) is_discounted: bool,
+}
+
+impl Worth {
+    /// A sample of a weight > 0 that stands for some seconds, with λ in (0, 1].
+    pub(super) fn new(weight: f64, lambda: f64, seconds: f64) -> Self {
+        Self {
+            weight,
+            lambda,
+            seconds,
+            growth: 1.0 / lambda,
+            noise: lambda / weight,
+            information: weight / lambda,
+        }
+    }
+
+    pub(super) fn weight(&self) -> f64 {
+        self.weight
+    }
+
+    pub(super) fn lambda(&self) -> f64 {
+        self.lambda
+    }
 }
 
 impl LeastSquares {
@@ -75,20 +119,9 @@ impl LeastSquares {
         })
     }
 
-    /// Torque that the terms add up to.
-    #[inline(always)]
-    pub(super) fn predicted(&self, psi: &[f64; TERMS_MAX]) -> f64 {
-        let mut sum = 0.0;
-        for index in 0..TERMS_MAX {
-            sum += psi[index] * self.coefficients[index];
-        }
-        sum
-    }
-
-    /// Takes in one sample. Returns its residual, of the variance of the noise whatever the estimate still lacks. A row that is
-    /// not finite changes nothing and has none.
+    /// Takes in one sample. A row that is not finite changes nothing: `None`.
     #[inline]
-    pub(super) fn update(&mut self, row: &Row<'_>) -> Option<f64> {
+    pub(super) fn update(&mut self, row: &Row<'_>) -> Option<Fitted> {
         match self.count {
             2 => self.step::<2>(row),
             3 => self.step::<3>(row),
@@ -98,26 +131,59 @@ impl LeastSquares {
     }
 
     #[inline(always)]
-    fn step<const N: usize>(&mut self, row: &Row<'_>) -> Option<f64> {
-        let innovation = row.torque - self.predicted(row.psi);
-        let noise = row.lambda / row.weight;
+    fn step<const N: usize>(&mut self, row: &Row<'_>) -> Option<Fitted> {
+        let Worth {
+            weight,
+            lambda,
+            growth,
+            mut noise,
+            mut information,
+            ..
+        } = row.worth;
+        let (mut predicted, mut length) = (0.0, 0.0);
+        for index in 0..N {
+            predicted += row.psi[index] * self.coefficients[index];
+            length += row.psi[index] * row.psi[index];
+        }
+        let innovation = row.torque - predicted;
+        let square = innovation * innovation;
         // sums that overflow are refused with the rest
-        let checked = innovation * innovation + noise + row.psi.iter().map(|psi| psi * psi).sum::<f64>();
-        if !checked.is_finite() || noise.is_nan() || noise <= 0.0 {
+        if !(square + length + noise).is_finite() || noise <= 0.0 {
             return None;
         }
-        let gain = self.factor.measure::<N>(row.psi, noise);
+        let mut discount = 1.0;
+        if square > row.bound {
+            discount = self.discount::<N>(row, square);
+            noise /= discount;
+            information *= discount;
+        }
+        let gain = self.factor.measure::<N>(row.psi, noise, information);
         for index in 0..N {
             self.coefficients[index] += gain.gain[index] * innovation;
         }
-        let total = 1.0 + gain.spread / row.lambda;
-        let residual = innovation / libm::sqrt(total);
-        self.factor.forget::<N>(row.lambda);
-        self.evidence.add::<N>(row, residual, innovation / total);
-        if row.lambda < 1.0 {
+        let fitting = 1.0 / (1.0 + gain.spread * growth);
+        self.factor.grow::<N>(growth);
+        self.evidence.add::<N>(
+            row.psi,
+            weight * discount,
+            lambda,
+            row.worth.seconds,
+            innovation * fitting,
+        );
+        if lambda < 1.0 {
             self.bound::<N>();
         }
-        Some(residual)
+        Some(Fitted {
+            square: square * fitting,
+            is_discounted: discount < 1.0,
+        })
+    }
+
+    /// Huber's weight: 1, or less where the torque is further off than the noise and the coefficients' errors explain.
+    #[cold]
+    fn discount<const N: usize>(&self, row: &Row<'_>, square: f64) -> f64 {
+        let bound = row.bound * (1.0 + self.factor.spread(N, row.psi));
+        libm::sqrt(bound / square).min(1.0)
     }
 
     /// Holds Q below its caps. It goes to half a cap, so that it is seldom done.
@@ -137,7 +203,7 @@ impl LeastSquares {
         let information = 1.0 / target - 1.0 / variance;
         let mut unit = [0.0; TERMS_MAX];
         unit[index] = 1.0;
-        self.factor.measure::<N>(&unit, 1.0 / information);
+        self.factor.measure::<N>(&unit, 1.0 / information, information);
         self.evidence.told::<N>(index, &column, information);
     }
 }

@@ -19,8 +19,9 @@ const SECONDS_IN_HOUR: f64 = 3600.0;
 /// Constants of one joint.
 #[derive(Debug, Clone)]
 pub(super) struct JointModel {
-    /// Motor positions over this are Θ.
     pub(super) gear_ratio: f64,
+    /// What a motor position is multiplied by to be Θ.
+    pub(super) joint_over_motor: f64,
     /// B, kg m² or kg.
     pub(super) armature: f64,
     /// B where the motor's torque is in the balance, 0 where it is not.
@@ -44,6 +45,7 @@ impl JointModel {
         let drive = &robot.spec().joints[joint].drive;
         Self {
             gear_ratio: drive.gear_ratio,
+            joint_over_motor: 1.0 / drive.gear_ratio,
             armature: robot.drives()[joint].armature,
             armature_used: 0.0,
             motor_gain: 0.0,

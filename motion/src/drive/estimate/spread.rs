@@ -46,13 +46,15 @@ impl Spread {
         }
     }
 
-    /// Takes in a residual that stands for some seconds.
+    /// Takes in the square of a residual that stands for some seconds.
     #[inline(always)]
-    pub(super) fn add(&mut self, residual: f64, seconds: f64) {
+    pub(super) fn add(&mut self, square: f64, seconds: f64) {
         self.samples += 1.0;
-        let share = (1.0 / self.samples).max(seconds / ESTIMATE_SPREAD_SECONDS).min(1.0);
-        let square = residual * residual;
-        let clipped = square.min(CLIP * CLIP * self.robust) / CLIPPED_VARIANCE;
+        let mut share = (seconds * (1.0 / ESTIMATE_SPREAD_SECONDS)).min(1.0);
+        if share * self.samples < 1.0 {
+            share = 1.0 / self.samples;
+        }
+        let clipped = square.min(CLIP * CLIP * self.robust) * (1.0 / CLIPPED_VARIANCE);
         self.robust += share * (clipped - self.robust);
         self.second += share * (square - self.second);
         self.fourth += share * (square * square - self.fourth);
@@ -76,7 +78,8 @@ mod tests {
         let state = &mut 5;
         let mut spread = Spread::new(30.0);
         for _ in 0..200_000 {
-            spread.add(2.0 * normal(state), 1e-3);
+            let residual = 2.0 * normal(state);
+            spread.add(residual * residual, 1e-3);
         }
         // 10,000 samples are remembered: 0.7 %
         assert!((spread.robust.sqrt() - 2.0).abs() < 0.06, "{}", spread.robust);
@@ -89,13 +92,15 @@ mod tests {
         let state = &mut 6;
         let mut spread = Spread::new(1.0);
         for index in 0..100_000 {
-            spread.add(if index % 100 == 0 { 50.0 } else { normal(state) }, 1e-4);
+            let residual = if index % 100 == 0 { 50.0 } else { normal(state) };
+            spread.add(residual * residual, 1e-4);
         }
         assert!(spread.robust.sqrt() < 1.1, "{}", spread.robust);
         assert!(spread.second.sqrt() > 4.0);
         let mut spread = Spread::new(1.0);
         for _ in 0..100_000 {
-            spread.add(student(6.0, state), 1e-4);
+            let residual = student(6.0, state);
+            spread.add(residual * residual, 1e-4);
         }
         assert!((4.2..12.0).contains(&spread.tails()), "{}", spread.tails());
     }

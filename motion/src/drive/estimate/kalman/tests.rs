@@ -1,6 +1,6 @@
 use super::*;
 use crate::drive::estimate::law::FrictionLaw;
-use crate::drive::estimate::least_squares::{LeastSquares, Row};
+use crate::drive::estimate::least_squares::{LeastSquares, Row, Worth};
 use crate::drive::estimate::noise::normal;
 use crate::test_arms::random;
 
@@ -49,9 +49,8 @@ fn without_drift_it_is_least_squares() {
             let row = Row {
                 psi: &psi,
                 torque,
-                weight,
-                lambda: 1.0,
-                seconds: 0.001,
+                worth: Worth::new(weight, 1.0, 0.001),
+                bound: f64::INFINITY,
             };
             squares.update(&row).unwrap();
         }

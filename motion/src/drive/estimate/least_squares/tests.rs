@@ -89,9 +89,8 @@ fn it_is_the_batch_solution_with_the_prior() {
                         .update(&Row {
                             psi: &psi,
                             torque,
-                            weight,
-                            lambda,
-                            seconds: 0.001,
+                            worth: Worth::new(weight, lambda, 0.001),
+                            bound: f64::INFINITY,
                         })
                         .unwrap();
                     batch.add(&psi[..terms], torque, weight, lambda);
@@ -133,9 +132,8 @@ fn it_follows_a_drift_with_the_lag_of_its_memory() {
             let row = Row {
                 psi: &psi,
                 torque,
-                weight: 1.0,
-                lambda,
-                seconds: 0.001,
+                worth: Worth::new(1.0, lambda, 0.001),
+                bound: f64::INFINITY,
             };
             state_of.update(&row).unwrap();
         }
@@ -164,9 +162,8 @@ fn a_motion_that_says_little_does_not_wind_it_up() {
             let row = Row {
                 psi: &psi,
                 torque,
-                weight: 1.0,
-                lambda: 0.9999,
-                seconds: 0.001,
+                worth: Worth::new(1.0, 0.9999, 0.001),
+                bound: f64::INFINITY,
             };
             state_of.update(&row).unwrap();
         }
@@ -208,18 +205,17 @@ fn what_is_no_number_changes_nothing() {
         Row {
             psi,
             torque,
-            weight,
-            lambda: 0.99,
-            seconds: 0.001,
+            worth: Worth::new(weight, 0.99, 0.001),
+            bound: f64::INFINITY,
         }
     }
     for bad in [f64::NAN, f64::INFINITY, 1e300] {
-        assert_eq!(state_of.update(&row(&good, bad, 1.0)), None);
+        assert!(state_of.update(&row(&good, bad, 1.0)).is_none());
         let psi = [1.0, bad, 0.0, 0.0, 0.0];
-        assert_eq!(state_of.update(&row(&psi, 1.0, 1.0)), None);
+        assert!(state_of.update(&row(&psi, 1.0, 1.0)).is_none());
     }
     for weight in [0.0, -1.0, f64::NAN] {
-        assert_eq!(state_of.update(&row(&good, 1.0, weight)), None);
+        assert!(state_of.update(&row(&good, 1.0, weight)).is_none());
     }
     assert_eq!(state_of, before);
 }
@@ -249,9 +245,8 @@ fn coverage(correlation: f64, tails: Option<f64>) -> f64 {
             let row = Row {
                 psi: &psi,
                 torque: psi[0] * truth[0] + psi[1] * truth[1] + error,
-                weight: 0.5 * step / 0.2,
-                lambda,
-                seconds: step,
+                worth: Worth::new(0.5 * step / 0.2, lambda, step),
+                bound: f64::INFINITY,
             };
             state_of.update(&row).unwrap();
         }
@@ -308,12 +303,11 @@ fn the_measured_correlation_time_is_the_noises() {
         let row = Row {
             psi: &psi,
             torque: noise.next(state),
-            weight: 0.01,
-            lambda: 1.0,
-            seconds: step,
+            worth: Worth::new(0.01, 1.0, step),
+            bound: f64::INFINITY,
         };
-        let residual = state_of.update(&row).unwrap();
-        second += (residual * residual - second) / f64::from(index + 1);
+        let square = state_of.update(&row).unwrap().square;
+        second += (square - second) / f64::from(index + 1);
     }
     let found = state_of.evidence.correlation_time(second).unwrap();
     assert!((0.22..0.4).contains(&found), "{found}");

@@ -90,6 +90,21 @@ fn bad_samples_are_counted_and_do_no_harm() {
     close(&report, &truth, 0.05);
 }
 
+/// A clock that jumps beyond anything is not believed: the samples after it are used.
+#[test]
+fn one_absurd_time_does_not_end_the_stream() {
+    let robot = two_links();
+    let truth = [friction(4.0, 1.5), friction(2.0, 0.8)];
+    let mut telemetry = Recording::of(&robot, &truth).telemetry(0.0, 20.0);
+    telemetry.time[5000] = 1e300;
+    telemetry.time[6000] = -1e300;
+    let mut estimator = FrictionEstimator::new(robot, options()).unwrap();
+    feed(&mut estimator, &telemetry, 100);
+    let report = estimator.report();
+    assert_eq!((report.skipped.out_of_range, report.sample_count), (2, 19_998));
+    close(&report, &truth, 0.05);
+}
+
 #[test]
 fn jitter_and_gaps_are_lived_with() {
     let robot = two_links();

@@ -121,6 +121,7 @@ fn each_combination_finds_its_friction() {
         (Motor, &["q", "Θ", "τm"], LeastSquares, MOTOR_SIDE),
         (Motor, &["q", "Θ", "τm", "τJ"], Observer, MOTOR_SIDE),
         (Motor, &["Θ", "τm"], LeastSquares, MOTOR_SIDE),
+        (Motor, &["q", "τm", "τJ"], LeastSquares, MOTOR_SIDE),
     ] {
         let options = EstimatorOptions {
             side,
