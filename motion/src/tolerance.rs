@@ -744,7 +744,7 @@ pub(crate) const PIVOT_PART_MIN: f64 = 1.0e-14;
 pub(crate) const JACOBI_SWEEPS: usize = 30;
 
 /// Periods of a filter's corner by which a signal is continued beyond its ends: its answer has died away to 1e-4 after that.
-pub(crate) const FILTER_PAD_PERIODS: f64 = 3.0;
+pub(crate) const FILTER_PAD_PERIODS: f64 = 4.0;
 
 /// Corner of the filter that positions and speeds go through, over the band: what it takes off within the band is 1e-4, and
 /// products of positions within the band stay whole.
@@ -871,3 +871,29 @@ pub(crate) const ADAPT_MEMORY: f64 = 2.0;
 /// Rate of the observer on the output's side over that on the motor's: at the same rate the slowest pole of an arm on its
 /// transmission keeps 0.15 to 0.2 of critical damping, at a quarter 0.35 to 0.4.
 pub(crate) const ADAPT_OUTPUT: f64 = 0.25;
+
+/// Most terms of a fitted stiffness polynomial: as many as a description may have.
+pub(crate) const STIFFNESS_TERMS_MAX: usize = 8;
+
+/// Places at which a fitted stiffness is looked at.
+pub(crate) const STIFFNESS_PROBES: usize = 1_000;
+
+/// Smallest singular value of scaled columns that count as independent where measured pairs are fitted: odd powers up to the
+/// third are 0.2 apart, up to the seventh 1e-3.
+pub(crate) const COLUMNS_INDEPENDENT: f64 = 1.0e-4;
+
+/// How unevenly the maxima of a free oscillation may follow one another, as part of the period: Coulomb friction leaves it as it is, a
+/// missing maximum doubles it.
+pub(crate) const OSCILLATION_UNEVEN: f64 = 0.2;
+
+/// Least part by which an oscillation must have become smaller: encoders read a hundredth of a swing.
+pub(crate) const SWING_MIN: f64 = 0.01;
+
+/// Greatest decay a period that is looked for, −ln of the ratio of two maxima: at 5 the second is below a hundredth.
+pub(crate) const DECAY_MOST: f64 = 5.0;
+
+/// Decays that are tried before the best is refined: the square has one valley but for noise.
+pub(crate) const DECAY_STEPS: usize = 200;
+
+/// Ratio of two speeds from which on they tell viscous from Coulomb friction.
+pub(crate) const SPEEDS_APART: f64 = 1.1;

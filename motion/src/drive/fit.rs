@@ -11,14 +11,18 @@
 //! What is wrong with the input is an error with field paths; data that cannot tell give an answer that says what is missing.
 
 pub mod assess;
+pub mod constant_speed;
+pub mod damping;
 pub mod motion;
 pub mod recording;
 pub mod report;
+pub mod stiffness;
 
 mod deflect;
 mod design;
 mod excitation;
 mod filter;
+mod least_squares;
 mod linear;
 mod normal;
 mod payload;

@@ -130,11 +130,12 @@ mod tests {
         let mut output = line.clone();
         LowPass::new(5.0, 0.01).apply(&mut output);
         for (x, y) in line.iter().zip(&output) {
-            assert!((x - y).abs() < 1e-6);
+            // 1e-4 of what a line rises in the filter's delay
+            assert!((x - y).abs() < 2e-5);
         }
     }
 
-    /// By `scipy.signal.sosfiltfilt(butter(4, 5, fs=125, output='sos'), x, padlen=…)` of SciPy 1.17.1.
+    /// By `scipy.signal.sosfiltfilt(butter(4, 5, fs=125, output='sos'), x, padlen=100)` of SciPy 1.17.1.
     #[test]
     fn agrees_with_another_implementation() {
         let mut signal: Vec<f64> = (0..200).map(|k| if k < 100 { 0.0 } else { 1.0 }).collect();
@@ -145,11 +146,11 @@ mod tests {
     }
 
     const STEP: [(usize, f64); 5] = [
-        (80, -0.007636052832156689),
-        (95, 0.1611171690427214),
-        (99, 0.4590042398569902),
-        (104, 0.8388828309572727),
-        (120, 0.9988807467036341),
+        (80, -0.007636047677993062),
+        (95, 0.16111716849442034),
+        (99, 0.45900424077248897),
+        (104, 0.8388828318356704),
+        (120, 0.9988807465739569),
     ];
 
     #[test]

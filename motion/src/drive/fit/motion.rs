@@ -255,7 +255,7 @@ impl<'a> Fit<'a> {
             let ridge = if prior.bodies.is_empty() {
                 Some(0.0)
             } else {
-                self.problem(prior).choose_ridge(&first.values)?
+                self.problem(prior).choose_ridge(&first.values, self.trusts_bodies())?
             };
             let Some(ridge) = ridge else { return Ok(None) };
             let Some(solution) = self.problem(prior).solve(ridge, &first.values)? else {
@@ -287,7 +287,14 @@ impl<'a> Fit<'a> {
         let values = &found.solution.values;
         let covariance = inverse(&found.solution.hessian, count, self.budget)?.unwrap_or_default();
         let (data, _) = self.normal.sum(&self.weights, None);
-        let told = |k: usize| dot(&covariance[k * count..(k + 1) * count], &column_of(&data, count, k));
+        let beforehand = match prior.second_derivatives(found.ridge, values) {
+            Some(precision) => inverse(&precision, count, self.budget)?.unwrap_or_default(),
+            None => Vec::new(),
+        };
+        let told = |k: usize| {
+            let before = beforehand.get(k * count + k).copied().unwrap_or(f64::INFINITY);
+            (1.0 - covariance[k * count + k] / before).clamp(0.0, 1.0)
+        };
         let mut estimates = Vec::with_capacity(count);
         for (k, unknown) in self.unknowns.list.iter().enumerate() {
             estimates.push(Estimate {
@@ -295,7 +302,7 @@ impl<'a> Fit<'a> {
                 value: values[k],
                 described: self.described(k),
                 deviation: covariance[k * count + k].max(0.0).sqrt(),
-                told: told(k).clamp(0.0, 1.0),
+                told: told(k),
                 held: prior.magnitudes[k] && values[k] <= 0.0,
             });
         }
@@ -330,7 +337,8 @@ impl<'a> Fit<'a> {
         let warnings = pose::warnings(self.robot, self.unknowns, &estimates, &joints);
         Ok(MotionFit {
             spec,
-            determined: estimates.iter().map(|estimate| estimate.told).sum(),
+            // the trace of the product: how many directions are the motion's
+            determined: dot(&covariance, &data),
             estimates,
             joints,
             ridge: (!prior.bodies.is_empty()).then_some(found.ridge),
@@ -340,16 +348,17 @@ impl<'a> Fit<'a> {
         })
     }
 
+    /// Whether bodies are drawn to a maker's description, and not to a payload of which only the torque speaks.
+    fn trusts_bodies(&self) -> bool {
+        !self.unknowns.list.contains(&Unknown::Payload(0))
+    }
+
     fn described(&self, k: usize) -> f64 {
         match self.unknowns.list[k] {
             Unknown::Joint(parameter) => self.unknowns.joints[crate::dynamics::regressor::column(parameter)],
             Unknown::Payload(part) => self.unknowns.payload[part],
         }
     }
-}
-
-fn column_of(matrix: &[f64], count: usize, column: usize) -> Vec<f64> {
-    (0..count).map(|row| matrix[row * count + column]).collect()
 }
 
 /// One joint's torque explained by its own columns alone, each shrunk by rounding.
@@ -370,3 +379,6 @@ fn alone(gram: &Gram, budget: &Budget<'_>) -> Result<Vec<f64>, Stopped> {
     }
     Ok(values.iter().zip(&scale).map(|(v, s)| v * s).collect())
 }
+
+#[cfg(test)]
+mod tests;

@@ -77,7 +77,7 @@ pub struct Estimate {
     pub described: f64,
     /// Standard deviation.
     pub deviation: f64,
-    /// Part of what the value rests on that is the motion's: 1 where the motion alone tells, 0 where it says nothing and the
+    /// Part of the variance beforehand that the motion took away: near 1 where the motion tells, 0 where it says nothing and the
     /// value is the description's.
     pub told: f64,
     /// It would have come out below 0, and was held there.

@@ -199,7 +199,11 @@ mod tests {
 
     #[test]
     fn the_described_values_make_the_described_arm() {
-        let arm = robot(random_arm(4, 2));
+        let mut spec = random_arm(4, 2);
+        for joint in &mut spec.joints {
+            joint.link = body_of(&pseudo::sound(&joint.link).unwrap());
+        }
+        let arm = robot(spec);
         for scope in [Scope::Friction, Scope::Payload, Scope::Rotors, Scope::Bodies] {
             let unknowns = Unknowns::new(&arm, scope);
             let model = unknowns.model(&arm, &unknowns.described, &[None; 4]);

@@ -83,10 +83,11 @@ impl Problem<'_> {
         Ok(Some(validated))
     }
 
-    /// The strongest ridge whose error on what was left out is no worse than the least by more than one standard error of
-    /// the difference (L. Breiman et al., "Classification and Regression Trees", 1984, §3.4.3): motions to come are less like
-    /// this one than its own stretches are, so what it cannot tell is left to the description.
-    pub(crate) fn choose_ridge(&self, start: &[f64]) -> Result<Option<f64>, Stopped> {
+    /// The ridge with the least error on what was left out, or, where the description is to be `trusted`, the strongest that is no worse
+    /// by more than one standard error of the difference (L. Breiman et al., "Classification and Regression Trees", 1984,
+    /// §3.4.3): motions to come are less like this one than its own stretches are, so what it cannot tell is left to the
+    /// description.
+    pub(crate) fn choose_ridge(&self, start: &[f64], trusted: bool) -> Result<Option<f64>, Stopped> {
         let mut tried: Vec<(f64, Vec<Vec<f64>>)> = Vec::with_capacity(RIDGES.len());
         for ridge in RIDGES {
             let Some(validated) = self.validate(ridge, start, false)? else {
@@ -101,6 +102,9 @@ impl Problem<'_> {
         let Some(best) = tried.iter().min_by(|a, b| total(&a.1).total_cmp(&total(&b.1))) else {
             return Ok(None);
         };
+        if !trusted {
+            return Ok(Some(best.0));
+        }
         let strongest = tried.iter().rev().find(|(_, squares)| is_as_good(squares, &best.1));
         Ok(strongest.or(Some(best)).map(|(ridge, _)| *ridge))
     }
