@@ -79,14 +79,16 @@ struct Tally {
 }
 
 fn main() -> ExitCode {
-    if let Some(seed) = std::env::args().nth(1).and_then(|seed| seed.parse().ok()) {
-        return show(&robots::all(), seed);
+    let (robots, arguments) = robots::asked_for();
+    if let Some(seed) = arguments.first().and_then(|seed| seed.parse().ok()) {
+        return show(&robots, seed);
     }
-    let Some(arguments) = Arguments::read(std::env::args().skip(1), CHUNK) else {
-        println!("usage: long_run FROM..TO [--threads N] [--file PATH], or long_run SEED; FROM is whole thousands");
+    let Some(arguments) = Arguments::read(arguments.into_iter(), CHUNK) else {
+        println!(
+            "usage: long_run FROM..TO [--threads N] [--file PATH] [--rich-friction], or long_run SEED; FROM is whole thousands"
+        );
         return ExitCode::from(2);
     };
-    let robots = robots::all();
     let sum = runs::run(&arguments, CHUNK, |seeds| run(&robots, seeds));
     sum.print();
     ExitCode::from(u8::from(!sum.violations.is_empty()))

@@ -61,13 +61,14 @@ struct Tally {
 }
 
 fn main() -> ExitCode {
-    let robots = robots::all();
-    if let Some(seed) = std::env::args().nth(1).and_then(|seed| seed.parse().ok()) {
+    let (robots, arguments) = robots::asked_for();
+    if let Some(seed) = arguments.first().and_then(|seed| seed.parse().ok()) {
         return show(&robots, seed);
     }
-    let Some(arguments) = Arguments::read(std::env::args().skip(1), CHUNK) else {
+    let Some(arguments) = Arguments::read(arguments.into_iter(), CHUNK) else {
         println!(
-            "usage: long_run_paths FROM..TO [--threads N] [--file PATH], or long_run_paths SEED; FROM is whole hundreds"
+            "usage: long_run_paths FROM..TO [--threads N] [--file PATH] [--rich-friction], or long_run_paths SEED; FROM is \
+             whole hundreds"
         );
         return ExitCode::from(2);
     };

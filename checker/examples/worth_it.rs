@@ -11,6 +11,7 @@
 #![allow(clippy::print_stdout, reason = "a program that prints a table")]
 
 #[path = "common/robots.rs"]
+#[allow(dead_code, reason = "shared with programs that need more of it")]
 mod robots;
 
 use nalgebra::Vector3;

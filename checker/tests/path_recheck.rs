@@ -5,6 +5,7 @@
 mod lifts;
 
 use lifts::{LOWER, Lifts, UPPER};
+use takt_checker::Density;
 use takt_checker::path::bounds;
 use takt_checker::path::report::{FaultKind, PathReport, Source};
 use takt_motion::path::outcome::{PathLimit, PathPlan};
@@ -445,4 +446,26 @@ fn jumps_of_acceleration_are_no_faults() {
     assert!(odd.is_empty(), "{odd:?}");
     // Yet the third difference of one sees them.
     assert!(broken(&report).contains(&(PathLimit::Jerk, Some(LOWER), Source::Differences)));
+}
+
+#[test]
+fn what_a_joint_does_just_before_a_stop_is_within_its_limit() {
+    // Set-points every half second: the one at the stop has the acceleration of the dwell, none.
+    let mut lifts = Lifts::trapezoidal();
+    lifts.request.sampling = Sampling::Trace(9);
+    let mut plan = lifts.plan();
+    let column = lifts::column(&mut plan, LOWER);
+    assert_eq!(column.velocity[4], 0.0);
+    column.velocity[1..4].copy_from_slice(&[1.5, 3.0, 4.0]);
+    let odd = |lifts: &Lifts| {
+        let faults = lifts.recheck_as(&plan, Density::Coarse).faults;
+        let kind = FaultKind::AccelerationColumn;
+        let mut found = faults.iter().filter(|fault| (fault.kind, fault.index) == (kind, LOWER));
+        found.next().map(|fault| (fault.time, fault.expected))
+    };
+    // From 4 m/s to rest within the last half second, which 8 m/s² do.
+    lifts.spec.joints[LOWER].limits.acceleration = Some(7.9);
+    assert_eq!(odd(&lifts), Some((1.75, -8.0)));
+    lifts.spec.joints[LOWER].limits.acceleration = Some(8.1);
+    assert_eq!(odd(&lifts), None);
 }

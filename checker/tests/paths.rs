@@ -12,7 +12,6 @@ use std::collections::BTreeMap;
 
 use programs::Trial;
 use robots::Example;
-use takt_checker::draw::{self, Draw};
 use takt_checker::path::report::{FaultKind, PathReport};
 use takt_checker::recheck_path;
 use takt_motion::budget::Budget;
@@ -20,7 +19,6 @@ use takt_motion::path::outcome::{PathLimit, PathOutcome, PathPlan};
 use takt_motion::path::plan_path;
 use takt_motion::path::request::PathRequest;
 use takt_motion::plan::request::Sampling;
-use takt_motion::robot::Robot;
 
 /// Programs of each robot.
 const PROGRAMS: u64 = 130;
@@ -75,20 +73,9 @@ fn check_some(robots: &[Example], robot: usize, programs: u64, share: u64) {
 
 #[test]
 fn drives_that_rub_with_their_load_and_with_the_speed_squared_keep_every_limit() {
-    let mut draw = Draw::seeded(11);
-    let robots: Vec<Example> = robots::all()
-        .into_iter()
-        .map(|example| Example {
-            robot: Robot::new(
-                draw::with_rich_friction(&mut draw, example.robot.spec().clone()),
-                Vec::new(),
-            )
-            .expect("the arm is sound"),
-            ..example
-        })
-        .collect();
+    let robots = robots::all_with_rich_friction();
     for robot in 0..robots.len() {
-        check_some(&robots, robot, 30, 50);
+        check_some(&robots, robot, 20, 50);
     }
 }
 

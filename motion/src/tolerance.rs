@@ -86,12 +86,16 @@ pub(crate) const GRID_NODES_APART: f64 = 1.0e-12;
 /// Largest squared path velocity that is planned where nothing bounds it, 1/s².
 pub(crate) const PATH_SPEED_SQUARED_MAX: f64 = 1.0e12;
 
-/// Largest ratio of squared path velocities within a panel of the integral for time: with it Gauss and Legendre's six
-/// points leave a relative error below 1e-11. Pinned by `durations_are_those_of_closed_forms`.
-pub(crate) const LAW_PANEL_RATIO: f64 = 2.0;
+/// How far from the middle of a panel of the integral for time the squared path velocity has no root, in half widths: Gauss
+/// and Legendre's six points then leave a relative error below 1e-11. Pinned by `durations_are_those_of_closed_forms` and
+/// `a_dip_of_the_speed_within_a_piece_takes_its_time`.
+pub(crate) const LAW_PANEL_CLEAR: f64 = 3.5;
 
-/// Most panels of one piece: what varies more than 2⁶⁴-fold within a piece is not resolved.
-pub(crate) const LAW_PANELS_MAX: usize = 64;
+/// Shortest panel, as part of its piece: a dip of the speed that is narrower is rest.
+pub(crate) const LAW_PANEL_LEAST: f64 = 1.0e-6;
+
+/// Most panels of one piece: a dip as narrow as that takes some hundred.
+pub(crate) const LAW_PANELS_MAX: usize = 512;
 
 /// Rounds of Newton's method from a time to a place; two or three do, bisection alone would take fifty.
 pub(crate) const LAW_INVERSE_ROUNDS: usize = 60;
@@ -897,3 +901,15 @@ pub(crate) const DECAY_STEPS: usize = 200;
 
 /// Ratio of two speeds from which on they tell viscous from Coulomb friction.
 pub(crate) const SPEEDS_APART: f64 = 1.1;
+
+/// How much larger than stated a use of a limit on a path may be between samples, as part of the limit: a fifth of the 1e-6
+/// that no drive and no sensor sees. The search for it ends there.
+pub(crate) const EXTREME_GAIN: f64 = 2.0e-7;
+
+/// Most values that the search for one limit's maximum takes on a path: twenty do on average; a limit that is just used all
+/// along the path takes one or two an interval.
+pub(crate) const EXTREME_STEPS: usize = 8192;
+
+/// Moments of a path closer than this part of its duration are one, when intervals are formed that nothing jumps within: a
+/// place is passed at a time that is known to some 1e-15, and near a stop to the root of a rounding.
+pub(crate) const BREAKS_APART: f64 = 1.0e-10;

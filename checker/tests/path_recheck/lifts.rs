@@ -115,7 +115,11 @@ impl Lifts {
     }
 
     pub(crate) fn recheck(&self, plan: &PathPlan) -> PathReport {
-        recheck_path(&self.spec, &self.request, plan, Density::Resolving)
+        self.recheck_as(plan, Density::Resolving)
+    }
+
+    pub(crate) fn recheck_as(&self, plan: &PathPlan, density: Density) -> PathReport {
+        recheck_path(&self.spec, &self.request, plan, density)
     }
 
     /// Limits that this motion just keeps.

@@ -2,7 +2,7 @@
 
 use super::{call, exit, server};
 
-/// Two joints without mass: their whole torque is friction.
+/// Two joints without mass: their whole torque is friction, but for what their rotors take.
 const BARE: &str = r#"
 dh:
   convention: STANDARD
@@ -10,8 +10,8 @@ dh:
   - {name: a, type: REVOLUTE, a_m: 0.5, alpha_rad: 0, d_m: 0, theta_rad: 0}
   - {name: b.c, type: REVOLUTE, a_m: 0.5, alpha_rad: 0, d_m: 0, theta_rad: 0}
 joints:
-- {name: a, limits: {position_lower: -3, position_upper: 3, velocity: 3}, drive: {peak_torque: 80}}
-- {name: b.c, limits: {position_lower: -3, position_upper: 3, velocity: 4}, drive: {peak_torque: 30}}
+- {name: a, limits: {position_lower: -3, position_upper: 3, velocity: 3}, drive: {peak_torque: 80, rotor_inertia_kg_m2: 0.01}}
+- {name: b.c, limits: {position_lower: -3, position_upper: 3, velocity: 4}, drive: {peak_torque: 30, rotor_inertia_kg_m2: 0.01}}
 "#;
 
 /// Coulomb and viscous friction of the joints.
@@ -33,7 +33,10 @@ fn log(samples: u32) -> String {
         for (rate, (coulomb, viscous)) in [1.3_f64, 1.9].into_iter().zip(FRICTION) {
             let (sin, cos) = (rate * time).sin_cos();
             let (q, qd) = (0.8 * sin, 0.8 * rate * cos);
-            text.push_str(&format!(",{q},{qd},{}", coulomb * qd.signum() + viscous * qd));
+            text.push_str(&format!(
+                ",{q},{qd},{}",
+                coulomb * qd.signum() + viscous * qd - 0.01 * rate * rate * q
+            ));
         }
         text.push_str(",31.5\n");
     }

@@ -6,6 +6,7 @@ mod joint;
 mod mixed;
 mod plan;
 mod spline;
+mod stated;
 mod support;
 mod tool;
 mod verified;

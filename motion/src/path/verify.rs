@@ -7,12 +7,14 @@
 //! ```
 //!
 //! and from there to torques by inverse dynamics and to the tool by its own recursion. Of the planner's terms along the
-//! path it uses none. Every interval of the time law is sampled [`PARTS`] times, on both of its ends from within, where
-//! accelerations may jump, and halved until that shows how they vary; between samples every maximum that might be the
-//! largest is found by parabolas; where a joint turns back, its friction is taken on either side, and where the load of its
-//! friction passes zero, an interval ends.
+//! path it uses none. Every interval of the time law, of the path between its knots, and of its limits is sampled
+//! [`PARTS`] times, on both of its ends from within, where accelerations may jump, and halved until that shows how they
+//! vary, and ends where the load of a joint's friction passes zero; between samples every maximum that might be the largest is searched for ([`extremes`]), with the friction of
+//! either side where a joint turns back.
 
 mod channels;
+mod extremes;
+mod kinks;
 mod state;
 
 use nalgebra::Isometry3;
@@ -26,10 +28,11 @@ use crate::kinematics::{self, ToolMotion};
 use crate::plan::outcome::OverrideSafety;
 use crate::robot::Robot;
 use crate::timing::law::TimeLaw;
-use crate::timing::limits::{Limits, Stretch};
-use crate::tolerance::{KINK_FLOOR, PATH_AT_REST, REFINE_GAIN};
-use crate::verify::{JointDemand, Point, kinks, overrides};
+use crate::timing::limits::Limits;
+use crate::tolerance::{BREAKS_APART, EXTREME_GAIN, PATH_AT_REST};
+use crate::verify::{JointDemand, Point, overrides};
 use channels::{Channels, fill};
+use extremes::{Node, Span, search, way};
 pub(super) use state::State;
 
 /// Samples of an interval of the time law, less one.
@@ -41,8 +44,8 @@ const BLOCK: usize = 48;
 /// How far inside an interval its ends are sampled, as part of it.
 const INSIDE: f64 = 1.0e-9;
 
-/// Rounds of parabolas on a maximum between samples.
-const ROUNDS: usize = 4;
+/// Spans that may hold a channel's maximum, before those that cannot any more are dropped: it bounds the memory.
+const CANDIDATES: usize = 1024;
 
 /// An interval is halved where an acceleration bends from sample to sample by more than this part of its limit: a
 /// parabola then still shows the extreme to a thousandth, from where it is followed.
@@ -116,7 +119,7 @@ pub(super) fn examine(
     budget: &Budget<'_>,
 ) -> Result<Examined, Stopped> {
     let mut examiner = Examiner::new(robot, tcp, timed, ranges);
-    let breaks = timed.law.times();
+    let breaks = breaks(timed);
     let mut first = 0;
     while first + 1 < breaks.len() {
         budget.check()?;
@@ -124,7 +127,24 @@ pub(super) fn examine(
         examiner.block(&breaks[first..=last]);
         first = last;
     }
-    Ok(examiner.finish())
+    examiner.finish(budget)
+}
+
+/// When something may jump: where pieces of the time law meet, knots of the path, and places from where other limits hold.
+fn breaks(timed: Timed<'_>) -> Vec<f64> {
+    let mut breaks = timed.law.times().to_vec();
+    let apart = BREAKS_APART * timed.law.duration();
+    let borders = timed.limits.stretches.iter().map(|stretch| stretch.end);
+    for s in timed.curve.knots().iter().copied().chain(borders) {
+        let time = timed.law.time_at(s);
+        let next = breaks.partition_point(|known| *known < time);
+        let near = |index: usize| breaks.get(index).is_none_or(|known| (known - time).abs() <= apart);
+        // beyond the ends there is nothing
+        if next > 0 && !near(next) && !near(next - 1) {
+            breaks.insert(next, time);
+        }
+    }
+    breaks
 }
 
 struct Examiner<'a> {
@@ -146,6 +166,8 @@ struct Examiner<'a> {
     examined: Examined,
     /// Index into `examined.tightest` by channel.
     known: Vec<Option<usize>>,
+    /// By channel, where values between samples may be above all that is known.
+    candidates: Vec<Vec<Span>>,
     worst: Option<overrides::Worst>,
 }
 
@@ -178,6 +200,7 @@ impl<'a> Examiner<'a> {
                 override_safe: None,
             },
             known: vec![None; channels.count()],
+            candidates: vec![Vec::new(); channels.count()],
             worst: None,
         }
     }
@@ -220,46 +243,6 @@ impl<'a> Examiner<'a> {
             std::iter::once(ends[0]).chain(middle)
         });
         *breaks = halves.chain(breaks.last().copied()).collect();
-        true
-    }
-
-    /// Ends intervals where the load of a joint's friction passes zero; false where none does.
-    fn divide(&mut self, breaks: &mut Vec<f64>) -> bool {
-        let Self {
-            robot,
-            timed,
-            sweep,
-            state,
-            gravity,
-            workspace,
-            times,
-            ..
-        } = self;
-        let floor = KINK_FLOOR
-            * sweep
-                .gravity
-                .iter()
-                .fold(0.0, |most: f64, gravity| most.max(gravity.abs()));
-        let mut cuts = Vec::new();
-        for (joint, drive) in robot.drives().iter().enumerate() {
-            if drive.load_coulomb == 0.0 {
-                continue;
-            }
-            let column = &sweep.gravity[sweep.column(joint)..];
-            for (times, values) in times.chunks(PARTS + 1).zip(column.chunks(PARTS + 1)) {
-                cuts.extend(kinks::zeros(times, &values[..times.len()], floor, &mut |time| {
-                    state.set(timed.curve, timed.law, time, Side::After);
-                    dynamics::gravity_torque(robot, workspace, &state.position, gravity);
-                    gravity[joint]
-                }));
-            }
-        }
-        if cuts.is_empty() {
-            return false;
-        }
-        breaks.extend(cuts);
-        breaks.sort_by(f64::total_cmp);
-        breaks.dedup();
         true
     }
 
@@ -413,12 +396,9 @@ impl<'a> Examiner<'a> {
             let value = |part: usize| self.values[(first + part) * self.channels.count() + channel];
             let ratios: [f64; PARTS + 1] = std::array::from_fn(|part| self.channels.ratio(channel, value(part), limit));
             let top = (0..=PARTS).fold(0, |top, part| if ratios[part] > ratios[top] { part } else { top });
-            let known = self.known[channel].map_or(f64::NEG_INFINITY, |known| self.examined.tightest[known].ratio);
             let found = (value(top), self.times[first + top], self.places[first + top]);
             self.keep(channel, limit, found);
-            if bound(&ratios, top) > known.max(ratios[top]) + REFINE_GAIN {
-                self.refine(channel, limit, first, top);
-            }
+            self.consider(channel, limit, first);
             let ranged = matches!(
                 self.channels.of(channel).0,
                 PathLimit::PositionLower | PathLimit::PositionUpper
@@ -426,9 +406,6 @@ impl<'a> Examiner<'a> {
             if !ranged && ruling.is_none_or(|(ratio, _)| ratios[top] > ratio) {
                 ruling = Some((ratios[top], channel));
             }
-        }
-        for joint in 0..self.robot.joint_count() {
-            self.turning(joint, first, stretch);
         }
         if let Some((_, channel)) = ruling {
             let (kind, joint) = self.channels.of(channel);
@@ -473,39 +450,120 @@ impl<'a> Examiner<'a> {
         }
     }
 
-    /// Follows a maximum between the samples on both sides of `top`, by parabolas.
-    fn refine(&mut self, channel: usize, limit: f64, first: usize, top: usize) {
-        let middle = first + top.clamp(1, PARTS - 1);
-        let mut times = [middle - 1, middle, middle + 1].map(|sample| self.times[sample]);
-        let mut ratios = [middle - 1, middle, middle + 1].map(|sample| {
-            let value = self.values[sample * self.channels.count() + channel];
-            self.channels.ratio(channel, value, limit)
-        });
-        for _ in 0..ROUNDS {
-            let Some(time) = parabola_top(times, ratios) else {
-                return;
+    /// Remembers where an interval's channel may be above all that is known, between the samples from `first` on.
+    fn consider(&mut self, channel: usize, limit: f64, first: usize) {
+        let nodes: [Node; PARTS + 1] = std::array::from_fn(|part| self.sampled(channel, limit, first + part));
+        let second = |middle: usize| {
+            let bend = |way: usize| {
+                let [before, here, after] = [middle - 1, middle, middle + 1].map(|part| nodes[part].parts[way]);
+                (before - 2.0 * here + after).abs()
             };
-            let value = self.value_at(channel, time);
-            let s = self.state.s;
-            self.keep(channel, limit, (value, time, s));
-            let ratio = self.channels.ratio(channel, value, limit);
-            if time < times[1] {
-                (times, ratios) = ([times[0], time, times[1]], [ratios[0], ratio, ratios[1]]);
-            } else {
-                (times, ratios) = ([times[1], time, times[2]], [ratios[1], ratio, ratios[2]]);
+            bend(0).max(bend(1)).max(bend(2))
+        };
+        let bends: [f64; PARTS + 1] = std::array::from_fn(|part| second(part.clamp(1, PARTS - 1)));
+        let least = self.ratio_known(channel) + EXTREME_GAIN;
+        for part in 0..PARTS {
+            let around = &bends[part.saturating_sub(1)..(part + 3).min(PARTS + 1)];
+            let span = Span {
+                ends: [nodes[part], nodes[part + 1]],
+                bend: around.iter().fold(0.0, |most: f64, bend| most.max(*bend)),
+                limit,
+            };
+            if span.bound(|part| self.channels.size(channel, part)) > least {
+                self.candidates[channel].push(span);
             }
+        }
+        if self.candidates[channel].len() > CANDIDATES {
+            self.drop_candidates(channel);
         }
     }
 
-    /// The value of one channel at one time.
-    fn value_at(&mut self, channel: usize, time: f64) -> f64 {
-        let (kind, joint) = self.channels.of(channel);
-        if let (PathLimit::Torque, Some(joint)) = (kind, joint) {
-            return self.torque_at(joint, time);
+    /// The largest part of its limit that is known of a channel.
+    fn ratio_known(&self, channel: usize) -> f64 {
+        self.known[channel].map_or(f64::NEG_INFINITY, |known| self.examined.tightest[known].ratio)
+    }
+
+    /// Drops the spans that cannot be above what is known by now.
+    fn drop_candidates(&mut self, channel: usize) {
+        let least = self.ratio_known(channel) + EXTREME_GAIN;
+        let size = |part: f64| self.channels.size(channel, part);
+        self.candidates[channel].retain(|span| span.bound(size) > least);
+    }
+
+    /// Follows every maximum between samples that may be its channel's largest.
+    fn follow(&mut self, budget: &Budget<'_>) -> Result<(), Stopped> {
+        let channels = self.channels;
+        for channel in 0..channels.count() {
+            self.drop_candidates(channel);
+            let spans = std::mem::take(&mut self.candidates[channel]);
+            let known = self.ratio_known(channel);
+            let size = |part: f64| channels.size(channel, part);
+            search(
+                spans,
+                known,
+                size,
+                |span, time| self.evaluated(channel, span.limit, time),
+                budget,
+            )?;
         }
+        Ok(())
+    }
+
+    /// A sample of a channel.
+    fn sampled(&self, channel: usize, limit: f64, sample: usize) -> Node {
+        let value = self.values[sample * self.channels.count() + channel];
+        let time = self.times[sample];
+        let part = |value: f64| self.channels.part(channel, value, limit);
+        let (PathLimit::Torque, Some(joint)) = self.channels.of(channel) else {
+            return Node {
+                time,
+                parts: [part(value); 3],
+                way: way(0.0),
+                rates: [0.0; 2],
+            };
+        };
+        let entry = self.sweep.column(joint) + sample;
+        let drive = self.robot.drives()[joint];
+        let (direction, gravity) = (self.directions[entry], self.sweep.gravity[entry]);
+        let smooth = value - drive.coulomb(direction, gravity);
+        Node {
+            time,
+            parts: [-1.0, 0.0, 1.0].map(|way| part(smooth + drive.coulomb(way, gravity))),
+            way: way(direction),
+            rates: [self.sweep.velocity[entry], self.sweep.acceleration[entry]],
+        }
+    }
+
+    /// A channel at some time, kept where it is the tightest.
+    fn evaluated(&mut self, channel: usize, limit: f64, time: f64) -> Node {
+        let channels = self.channels;
+        let part = |value: f64| channels.part(channel, value, limit);
+        let (PathLimit::Torque, Some(joint)) = channels.of(channel) else {
+            let value = self.value_at(channel, time);
+            self.keep(channel, limit, (value, time, self.state.s));
+            return Node {
+                time,
+                parts: [part(value); 3],
+                way: way(0.0),
+                rates: [0.0; 2],
+            };
+        };
+        let torques = self.torques_at(joint, time);
+        let way = way(self.state.direction[joint]);
+        self.keep(channel, limit, (torques[way], time, self.state.s));
+        Node {
+            time,
+            parts: torques.map(part),
+            way,
+            rates: [self.state.velocity[joint], self.state.acceleration[joint]],
+        }
+    }
+
+    /// The value of one channel but the torques' at one time.
+    fn value_at(&mut self, channel: usize, time: f64) -> f64 {
         self.state.set(self.timed.curve, self.timed.law, time, Side::After);
         let state = &self.state;
-        match (kind, joint) {
+        match self.channels.of(channel) {
             (PathLimit::Velocity, Some(joint)) => state.velocity[joint],
             (PathLimit::Acceleration, Some(joint)) => state.acceleration[joint],
             (PathLimit::Jerk, Some(joint)) => state.jerk[joint],
@@ -515,8 +573,9 @@ impl<'a> Examiner<'a> {
         }
     }
 
-    /// The torque of a drive at one time, friction against the way that the joint moves.
-    fn torque_at(&mut self, joint: usize, time: f64) -> f64 {
+    /// The torque of a drive at one time with Coulomb friction against a motion backwards, without, and against one
+    /// forwards: [`way`] says which of them holds.
+    fn torques_at(&mut self, joint: usize, time: f64) -> [f64; 3] {
         self.state.set(self.timed.curve, self.timed.law, time, Side::After);
         let state = &self.state;
         let (velocity, acceleration) = (state.velocity[joint], state.acceleration[joint]);
@@ -533,36 +592,8 @@ impl<'a> Examiner<'a> {
             dynamics::gravity_torque(self.robot, &mut self.workspace, &state.position, &mut self.gravity);
         }
         let drive = self.robot.drives()[joint];
-        let friction = drive.friction_towards(velocity, state.direction[joint], self.gravity[joint]);
-        self.torque[joint] + drive.armature * acceleration + friction
-    }
-
-    /// Where a joint turns back between two samples, friction acts first against one direction, then against the other.
-    fn turning(&mut self, joint: usize, first: usize, stretch: &Stretch) {
-        let Some(limit) = stretch.joints[joint].torque else {
-            return;
-        };
-        let drive = self.robot.drives()[joint];
-        for sample in first..first + PARTS {
-            let entry = self.sweep.column(joint) + sample;
-            if self.directions[entry] * self.directions[entry + 1] >= 0.0 {
-                continue;
-            }
-            let (before, after) = (self.sweep.velocity[entry], self.sweep.velocity[entry + 1]);
-            let part = if before == after {
-                0.5
-            } else {
-                before / (before - after)
-            };
-            let time = self.times[sample] + part * (self.times[sample + 1] - self.times[sample]);
-            let torque = self.torque_at(joint, time);
-            let gravity = self.gravity[joint];
-            let torque = torque - drive.coulomb(self.state.direction[joint], gravity);
-            for direction in [1.0, -1.0] {
-                let found = (torque + drive.coulomb(direction, gravity), time, self.state.s);
-                self.keep(Channels::torque(joint), limit, found);
-            }
-        }
+        let (rigid, gravity) = (self.torque[joint] + drive.armature * acceleration, self.gravity[joint]);
+        [-1.0, 0.0, 1.0].map(|way| rigid + drive.friction_towards(velocity, way, gravity))
     }
 
     /// Looks at the arm held still where the path begins and ends, without the help of friction.
@@ -587,8 +618,9 @@ impl<'a> Examiner<'a> {
         }
     }
 
-    fn finish(mut self) -> Examined {
+    fn finish(mut self, budget: &Budget<'_>) -> Result<Examined, Stopped> {
         self.hold();
+        self.follow(budget)?;
         let of_torque = |tightest: &&Tightest| tightest.kind == PathLimit::Torque;
         let torques = self.examined.tightest.iter().filter(of_torque);
         let worst = torques.fold(None::<Tightest>, |worst, tightest| match worst {
@@ -605,13 +637,13 @@ impl<'a> Examiner<'a> {
                     .fold(f64::INFINITY, f64::min),
             )
         });
-        self.examined
+        Ok(self.examined)
     }
 
     /// A torque by how it scales with speed.
     fn split(&mut self, tightest: &Tightest) -> Option<Point> {
         let joint = tightest.joint?;
-        let total = self.torque_at(joint, tightest.time - self.timed.begin);
+        let [_, smooth, _] = self.torques_at(joint, tightest.time - self.timed.begin);
         dynamics::gravity_torque(self.robot, &mut self.workspace, &self.state.position, &mut self.gravity);
         let gravity = self.gravity[joint];
         let drive = self.robot.drives()[joint];
@@ -629,8 +661,8 @@ impl<'a> Examiner<'a> {
             });
         }
         let viscous = drive.viscous * velocity;
-        // friction may act the other way than at the sample, where the joint turns back just there
-        let coulomb = tightest.value - total + drive.coulomb(self.state.direction[joint], gravity);
+        // which way it acts, the torque says itself: where the joint turns back just there, it does either
+        let coulomb = tightest.value - smooth;
         Some(Point {
             joint,
             time: tightest.time,
@@ -641,23 +673,4 @@ impl<'a> Examiner<'a> {
             gravity,
         })
     }
-}
-
-/// How high samples' maximum may reach between them: a parabola through three rises above them by at most an eighth of
-/// their second difference.
-fn bound(ratios: &[f64; PARTS + 1], top: usize) -> f64 {
-    let middle = top.clamp(1, PARTS - 1);
-    let bend = 2.0 * ratios[middle] - ratios[middle - 1] - ratios[middle + 1];
-    ratios[top] + bend.max(0.0) / 8.0
-}
-
-/// Where the parabola through three points has its top; `None` where it has none between them, or at the middle.
-fn parabola_top(t: [f64; 3], y: [f64; 3]) -> Option<f64> {
-    let (left, right) = ((y[1] - y[0]) / (t[1] - t[0]), (y[2] - y[1]) / (t[2] - t[1]));
-    let curvature = (right - left) / (t[2] - t[0]);
-    if curvature.is_nan() || curvature >= 0.0 {
-        return None;
-    }
-    let time = 0.5 * (t[0] + t[1]) - 0.5 * left / curvature;
-    (time > t[0] && time < t[2] && time != t[1]).then_some(time)
 }

@@ -64,7 +64,7 @@ pub fn description(wire: &v1::RobotDescription, at: Path<'_>, findings: &mut Fin
     let frames = frames(&wire.frames, at.field("frames"), findings);
     let link_inertia = fitted::link_inertia(&wire.link_inertia, at.field("link_inertia"), findings);
     let uncertainty = wire.uncertainty.as_ref();
-    let uncertainty = uncertainty.map(|wire| fitted::uncertainty(wire, at.field("uncertainty"), findings));
+    let uncertainty = uncertainty.and_then(|wire| fitted::uncertainty(wire, at.field("uncertainty"), findings));
     if let Some(origin) = &wire.origin {
         fitted::check_origin(origin, at.field("origin"), findings);
     }

@@ -44,14 +44,20 @@ pub(super) fn link_inertia(wire: &[v1::LinkInertia], at: Path<'_>, findings: &mu
     entries.collect()
 }
 
-pub(super) fn uncertainty(wire: &v1::ModelUncertainty, at: Path<'_>, findings: &mut Findings) -> UncertaintyEntry {
+/// `None` where a parameter says nothing of its kind: of the rest nothing more can be said then.
+pub(super) fn uncertainty(
+    wire: &v1::ModelUncertainty,
+    at: Path<'_>,
+    findings: &mut Findings,
+) -> Option<UncertaintyEntry> {
     let parameters_at = at.field("parameters");
-    let parameters = wire.parameters.iter().enumerate().filter_map(|(index, parameter)| {
+    let parameters = wire.parameters.iter().enumerate().map(|(index, parameter)| {
         let at = parameters_at.index(index);
         let kind = findings.enumerated(at.field("kind"), parameter.kind, KINDS);
         Some((parameter.joint.clone(), kind_from_wire(kind?)?))
     });
-    let parameters = parameters.collect();
+    // every one is looked at, and only then is it known whether all are sound
+    let parameters: Vec<Option<_>> = parameters.collect();
     findings.finite_list(at.field("covariance"), &wire.covariance);
     let residuals_at = at.field("residuals");
     let residuals = wire.residuals.iter().enumerate().map(|(index, residual)| {
@@ -64,11 +70,12 @@ pub(super) fn uncertainty(wire: &v1::ModelUncertainty, at: Path<'_>, findings: &
         };
         (residual.joint.clone(), read)
     });
-    UncertaintyEntry {
-        parameters,
+    let residuals = residuals.collect();
+    Some(UncertaintyEntry {
+        parameters: parameters.into_iter().collect::<Option<_>>()?,
         covariance: wire.covariance.clone(),
-        residuals: residuals.collect(),
-    }
+        residuals,
+    })
 }
 
 /// Texts are bounded and else free: nothing is computed from them.
@@ -198,7 +205,7 @@ mod tests {
             ],
         };
         let mut findings = Findings::default();
-        let read = uncertainty(&entry, Path::Root, &mut findings);
+        let read = uncertainty(&entry, Path::Root, &mut findings).unwrap();
         assert!(findings.is_empty());
         let joint = |name: &str| JointSpec {
             name: name.to_owned(),
