@@ -28,7 +28,7 @@ use takt_motion::robot::Robot;
 #[path = "../examples/rehearsal/arms.rs"]
 mod arms;
 
-const REPEATS: usize = 30;
+const REPEATS: usize = 40;
 
 fn main() {
     for arm in arms::all() {

@@ -53,8 +53,9 @@ impl Pool {
     /// Starts the threads. To be called on the runtime on which callers wait.
     pub(crate) fn new(config: &PlannerConfig) -> std::io::Result<Self> {
         let capacity = config.queue_capacity();
+        let runtime = Handle::try_current().map_err(std::io::Error::other)?;
         Ok(Self {
-            threads: Threads::start(config.threads(), &Handle::current())?,
+            threads: Threads::start(config.threads(), &runtime)?,
             thread_count: config.threads(),
             places: Arc::new(Semaphore::new(capacity)),
             capacity,

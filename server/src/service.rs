@@ -21,6 +21,7 @@ use crate::{
     compute::{self, Subject},
     config::Limits,
     error::ServiceError,
+    form::Form,
     planner::{Length, Pool, Timing},
     registry::{
         Compiled, Registry, no_revision, no_robot,
@@ -79,22 +80,22 @@ pub(crate) struct Service {
 const PAGE_SIZE: u32 = 100;
 const LARGEST_PAGE: u32 = 1000;
 
-/// One calculation on the planner's threads about one robot.
+/// One calculation on the planner's threads about one robot; its answer in the form that the caller wants.
 macro_rules! calculation {
     ($(#[$doc:meta])* $name:ident: $request:ident -> $response:ident, $length:path) => {
         $(#[$doc])*
-        pub(crate) async fn $name(
+        pub(crate) async fn $name<F: Form<v1::$response>>(
             self: &Arc<Self>,
             call: Call,
             request: v1::$request,
-        ) -> Result<Answer<v1::$response>, ServiceError> {
+        ) -> Result<Answer<F::Written>, ServiceError> {
             let subject = self.subject(call, &request.robot_id, request.revision.as_deref()).await?;
             let length = $length(&request);
             let service = Arc::clone(self);
             let job = move |budget: &Budget<'_>| {
-                compute::$name(request, subject, &service.limits, call.deadline, budget)
+                F::write(compute::$name(request, subject, &service.limits, call.deadline, budget)?)
             };
-            let (message, timing) = self.run(call, length, job).await?;
+            let (message, timing) = self.run_of(call, length, job).await?;
             Ok(answer(message, timing))
         }
     };
@@ -111,7 +112,15 @@ impl Service {
     }
 
     /// Runs a calculation for a call on the planner's threads.
-    pub(crate) async fn run<T, J>(&self, call: Call, length: Length, job: J) -> Result<(T, Timing), ServiceError>
+    pub(crate) async fn run<T, J>(&self, call: Call, job: J) -> Result<(T, Timing), ServiceError>
+    where
+        T: Send + 'static,
+        J: FnOnce(&Budget<'_>) -> Result<T, ServiceError> + Send + 'static,
+    {
+        self.run_of(call, Length::Any, job).await
+    }
+
+    async fn run_of<T, J>(&self, call: Call, length: Length, job: J) -> Result<(T, Timing), ServiceError>
     where
         T: Send + 'static,
         J: FnOnce(&Budget<'_>) -> Result<T, ServiceError> + Send + 'static,
@@ -138,7 +147,7 @@ impl Service {
         let id = robot_id(&request.robot_id);
         let description = request.description;
         let job = move |_: &Budget<'_>| compute::register(id, description);
-        let ((id, compiled, record, summary), timing) = self.run(call, Length::Any, job).await?;
+        let ((id, compiled, record, summary), timing) = self.run(call, job).await?;
         Span::current().record("robot", id.as_str());
         Span::current().record("revision", &*compiled.revision);
         if request.validate_only.unwrap_or(false) {
@@ -274,7 +283,7 @@ impl Service {
     async fn compiled(&self, call: Call, id: &RobotId, revision: Option<&str>) -> Result<Arc<Compiled>, ServiceError> {
         let compile = |record| {
             let job = move |_: &Budget<'_>| compute::compile_stored(&record);
-            let compiling = self.run(call, Length::Any, job);
+            let compiling = self.run(call, job);
             async move { Ok(compiling.await?.0) }.boxed()
         };
         self.registry.compiled(id, revision, compile).await

@@ -4,11 +4,12 @@ use std::path::Path;
 
 use serde_json::Value;
 use takt_motion::drive::rehearse::request::Motion;
+use takt_motion::nalgebra::Matrix3;
 use takt_motion::path::request::{OnExcess, PathRequest, Segment, Shape, Target, Timing, ToolLimits, Transition};
 use takt_motion::plan::request::{LimitOverride, Sampling};
 use takt_motion::robot::Robot;
 use takt_motion::robot::description::{Description, Kinematics};
-use takt_motion::robot::spec::{Friction, JointSpec};
+use takt_motion::robot::spec::{Friction, Inertial, JointSpec};
 
 /// An arm and what it runs.
 pub(crate) struct Arm {
@@ -142,6 +143,11 @@ fn arm(name: &'static str, assumed: &[Assumed], start: &[f64], way: &[f64]) -> A
     if assumed.is_empty() {
         corke(&mut spec.joints);
     }
+    spec.payload = Inertial {
+        mass: 1.5,
+        center_of_mass: [0.0, 0.0, 0.06].into(),
+        inertia: Matrix3::identity() * 3.0e-3,
+    };
     let names: Vec<String> = spec.joints.iter().map(|joint| joint.name.clone()).collect();
     let robot = Robot::new(spec, resolved.warnings).expect("the arm is sound");
     Arm {

