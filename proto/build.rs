@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// In these a field that says nothing is left out of the JSON: descriptions come back as they were given, and what was
 /// not asked for is not there. Everywhere else zeros and empty lists are written out.
-const SPARSE: [&str; 35] = [
+const SPARSE: [&str; 36] = [
     ".takt.v1.RobotDescription",
     ".takt.v1.JointDescription",
     ".takt.v1.JointLimits",
@@ -44,6 +44,7 @@ const SPARSE: [&str; 35] = [
     ".takt.v1.Pose",
     ".takt.v1.InverseDynamicsResult",
     ".takt.v1.Setpoints",
+    ".takt.v1.JointColumns",
     ".takt.v1.PlanPathRequest",
     ".takt.v1.PathLimits",
     ".takt.v1.PathSegment",

@@ -152,3 +152,47 @@ async fn what_cannot_be_planned_is_an_answer() {
         assert!(reply.provenance.is_some());
     }
 }
+
+/// Motors have their set-points beside the joints', in their own units.
+#[tokio::test]
+async fn set_points_of_motors_come_where_they_are_asked_for() {
+    use v1::plan_move_response::Outcome;
+    let server = TestServer::start().await;
+    let robot = v1::GetRobotRequest {
+        robot_id: "scara".to_owned(),
+        ..Default::default()
+    };
+    let robot = server
+        .client(Protocol::Grpc)
+        .get_robot(robot)
+        .await
+        .unwrap()
+        .robot
+        .unwrap();
+    for protocol in Protocol::BOTH {
+        let request = v1::PlanMoveRequest {
+            sample_period_s: Some(0.004),
+            motor_setpoints: Some(true),
+            ..plan_move("scara", &[-1.0, 1.0, 0.1, 0.0], &[-0.5, 0.6, 0.12, 0.4])
+        };
+        let reply = server.client(protocol).plan_move(request).await.unwrap();
+        let Some(Outcome::Plan(plan)) = reply.outcome else {
+            panic!("{:?}", reply.outcome);
+        };
+        let setpoints = plan.setpoints.unwrap();
+        let count = setpoints.time_s.len();
+        assert!(setpoints.exact_motor_points.unwrap() as usize <= count);
+        for (columns, joint) in setpoints.joints.iter().zip(&robot.joints) {
+            let ratio = joint.drive.as_ref().unwrap().gear_ratio.unwrap();
+            assert_eq!(columns.motor_torque.len(), count);
+            // No stiffness is known, so what the motor gives is what the joint takes.
+            for (motor, torque) in columns.motor_torque.iter().zip(&columns.torque).skip(1).take(count - 2) {
+                assert!(
+                    (ratio * motor - torque).abs() < 1e-6 * torque.abs().max(1.0),
+                    "{} {motor} {torque}",
+                    joint.name
+                );
+            }
+        }
+    }
+}

@@ -111,6 +111,7 @@ fn request(args: &PathArgs, io: &mut Io) -> Result<v1::PlanPathRequest, Failure>
     request.revision = args.revision.clone().or(request.revision);
     request.torque_utilization = args.utilization.or(request.torque_utilization);
     request.speed_scale = args.speed_scale.or(request.speed_scale);
+    request.motor_setpoints = args.samples.motors.then_some(true).or(request.motor_setpoints);
     args.samples
         .apply(&args.output, &mut request.sample_period_s, &mut request.trace_points)?;
     Ok(request)

@@ -342,6 +342,7 @@ pub(super) fn setpoints_to_wire(setpoints: Setpoints, robot: &RobotSpec) -> v1::
         velocity: columns.velocity,
         acceleration: columns.acceleration,
         torque: columns.torque,
+        ..v1::JointColumns::default()
     });
     v1::Setpoints {
         joints: joints.collect(),

@@ -101,6 +101,41 @@ pub(super) fn fit(answer: &v1::MotionFit) -> bool {
         && every(assessed)
 }
 
+pub(super) fn bench(outcome: &v1::fit_drive_response::Outcome) -> bool {
+    use v1::fit_drive_response::Outcome;
+    let side = |one: &v1::SideFit| {
+        let own = [
+            one.viscous,
+            one.coulomb_positive,
+            one.coulomb_negative,
+            one.residual_torque,
+        ];
+        all(&own) && all(&one.standard_errors)
+    };
+    match outcome {
+        Outcome::Motion(motion) => fit(motion),
+        Outcome::NotExcited(_) => true,
+        Outcome::Stiffness(one) => {
+            all(&one.stiffness)
+                && all(&one.standard_error)
+                && all(&[
+                    one.offset_torque,
+                    one.residual_torque,
+                    one.deformation_lower,
+                    one.deformation_upper,
+                ])
+        }
+        Outcome::Damping(one) => {
+            let own = [one.damping_and_viscous, one.damping, one.coulomb, one.stiffness];
+            all(&own) && all(&[one.period_s, one.decrement_of_first_pair]) && all(&one.standard_errors)
+        }
+        Outcome::ConstantSpeed(one) => {
+            let sides = [&one.total, &one.joint_side, &one.motor_side];
+            sides.into_iter().flatten().all(side)
+        }
+    }
+}
+
 pub(super) fn rehearsal(outcome: &v1::rehearse_response::Outcome) -> bool {
     use v1::rehearse_response::Outcome;
     match outcome {
@@ -179,7 +214,7 @@ fn run(run: &v1::RehearsalRun) -> bool {
         && own.all(|column| all(column))
 }
 
-fn all(numbers: &[f64]) -> bool {
+pub(super) fn all(numbers: &[f64]) -> bool {
     numbers.iter().all(|number| number.is_finite())
 }
 

@@ -1,5 +1,7 @@
 //! Drives and bodies fitted to a recording.
 
+mod bench;
+
 use std::{sync::Arc, time::Instant};
 
 use takt_motion::{
@@ -32,9 +34,14 @@ pub(crate) fn fit_drive(
     budget: &Budget<'_>,
 ) -> Result<v1::FitDriveResponse, ServiceError> {
     let mut reading = Reading::of(&mut request, subject);
-    let Some(Fit::Motion(wire)) = &request.fit else {
-        reading.findings.push_invalid(Invalid::new("motion", "must be given"));
-        return Err(ServiceError::invalid(reading.findings.into_list()));
+    let wire = match &request.fit {
+        Some(Fit::Motion(wire)) => wire,
+        Some(other) => return bench::fit_joint(other, reading, description),
+        None => {
+            let message = "must be given, or `stiffness`, `damping` or `constant_speed`";
+            reading.findings.push_invalid(Invalid::new("motion", message));
+            return Err(ServiceError::invalid(reading.findings.into_list()));
+        }
     };
     let read = reading.convert(|spec, findings| convert::fit::motion_fit_request(wire, spec, findings));
     let (robot, provenance) = reading.checked()?;

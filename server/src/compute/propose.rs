@@ -48,7 +48,7 @@ impl Proposal {
         self.warnings.extend(texts);
     }
 
-    /// Changes the friction of a joint's drive, and its rotor's inertia; what the change returns is handed on.
+    /// Changes friction, rotor inertia and transmission of a joint's drive; what the change returns is handed on.
     pub(super) fn change_drive<T>(&mut self, joint: usize, change: impl FnOnce(&mut Drive) -> T) -> T {
         use v1::friction::Side;
         let spec = &self.robot.robot.spec().joints[joint];
@@ -66,14 +66,23 @@ impl Proposal {
                 entries.len() - 1
             });
         let wire = entries[place].drive.get_or_insert_default();
-        // The joint's side is said even where it is nothing: an empty list would leave it to the URDF.
-        wire.friction = vec![convert::robot::friction_to_wire(Side::Joint, &drive.joint_friction)];
+        if drive.stiffness != spec.drive.stiffness {
+            wire.stiffness.clone_from(&drive.stiffness);
+        }
+        if drive.damping != spec.drive.damping {
+            wire.damping = drive.damping;
+        }
         if drive.rotor_inertia.to_bits() != spec.drive.rotor_inertia.to_bits() {
             wire.rotor_inertia_kg_m2 = Some(drive.rotor_inertia);
         }
-        if !drive.motor_friction.is_zero() {
-            let motor = convert::robot::friction_to_wire(Side::Motor, &drive.motor_friction);
-            wire.friction.insert(0, motor);
+        let before = (&spec.drive.motor_friction, &spec.drive.joint_friction);
+        if (&drive.motor_friction, &drive.joint_friction) != before {
+            // The joint's side is said even where it is nothing: an empty list would leave it to the URDF.
+            wire.friction = vec![convert::robot::friction_to_wire(Side::Joint, &drive.joint_friction)];
+            if !drive.motor_friction.is_zero() {
+                let motor = convert::robot::friction_to_wire(Side::Motor, &drive.motor_friction);
+                wire.friction.insert(0, motor);
+            }
         }
         self.joints.push(joint);
         said

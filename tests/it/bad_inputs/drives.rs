@@ -67,9 +67,8 @@ pub(super) fn rows() -> Vec<Row> {
 fn estimates() -> Vec<Row> {
     let nan = f64::NAN;
     vec![
-        estimate("method 9", |m| m.method = Some(9), &["header.method"]),
         estimate("method unspecified", |m| m.method = Some(0), &["header.method"]),
-        estimate("side 9", |m| m.side = Some(9), &["header.side"]),
+        estimate("side unspecified", |m| m.side = Some(0), &["header.side"]),
         estimate("half-life 0", |m| m.half_life_s = Some(0.0), &["header.half_life_s"]),
         estimate("half-life NaN", |m| m.half_life_s = Some(nan), &["header.half_life_s"]),
         estimate("forgetting 2", |m| m.forgetting = Some(2.0), &["header.forgetting"]),

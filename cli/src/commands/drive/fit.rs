@@ -129,7 +129,7 @@ pub(super) async fn run(args: FitArgs, client: &Client, io: &mut Io) -> Result<u
             }
             Ok(exit::NO)
         }
-        None => Err(Failure::service("the reply holds neither a fit nor what is missing")),
+        _ => Err(Failure::service("the reply holds neither a fit nor what is missing")),
     }
 }
 

@@ -215,6 +215,7 @@ impl SetpointsOf {
                 velocity: part(&columns.velocity, &piece),
                 acceleration: part(&columns.acceleration, &piece),
                 torque: part(&columns.torque, &piece),
+                ..v1::JointColumns::default()
             });
         let mut wire = v1::Setpoints {
             time_s: part(&samples.time, &piece),
