@@ -163,9 +163,9 @@ impl Verifier {
         self.sweep.reset(motion.joint_count(), count);
         self.times.clear();
         for stretch in stretches {
-            let begin = motion.times()[stretch.segment];
+            let (begin, step) = (motion.times()[stretch.segment], stretch.step());
             for k in 0..=stretch.intervals {
-                let local = stretch.local(k);
+                let local = stretch.from + step * k as f64;
                 self.sweep
                     .set(stretch.first + k, motion.segment(stretch.segment), local);
                 self.times.push(begin + local);

@@ -219,7 +219,7 @@ fn brackets(context: &Context<'_>, verifier: &Verifier, stretches: &[Stretch], j
                     joint,
                     segment: stretch.segment,
                     sign,
-                    times: [middle - 1, middle, middle + 1].map(|k| stretch.local(k)),
+                    times: [middle - 1, middle, middle + 1].map(|k| stretch.from + step * k as f64),
                     values: values.map(|v| sign * v),
                     settled: false,
                 };
