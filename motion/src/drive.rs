@@ -16,7 +16,10 @@
 mod adapt;
 pub mod controller;
 mod encoder;
+pub mod estimate;
 pub mod feedforward;
+#[allow(dead_code, reason = "the calibration under construction")]
+pub mod fit;
 mod gains;
 mod integrator;
 mod loss;
@@ -24,8 +27,5 @@ mod plant;
 pub mod reference;
 pub mod rehearse;
 mod series;
-pub mod transmission;
-pub mod estimate;
 pub mod telemetry;
-#[allow(dead_code, reason = "the calibration under construction")]
-pub mod fit;
+pub mod transmission;
