@@ -4,14 +4,14 @@
 //! y = [τmotor − B·Θ̈] − [τJ or rigid(q, q̇, q̈)] − τext        F(ω, g) = ψ(ω, g)·f
 //! ```
 //!
-//! Per sample: every signal goes through the same low pass ([`filter`]), which differentiates positions on the way; the balance
-//! of torques that the signals allow ([`combination`]) leaves what friction took; and where a joint has been sliding in one
-//! direction for long enough, its coefficients ([`law`]) are updated by the method chosen: [`least_squares`], with how well
-//! they are known from [`evidence`]; the same behind the [`observer`]; or [`kalman`]. At rest nothing is learned and
+//! Per sample: every signal goes through the same low pass (`filter`), which differentiates positions on the way; the balance
+//! of torques that the signals allow (`combination`) leaves what friction took; and where a joint has been sliding in one
+//! direction for long enough, its coefficients (`law`) are updated by the method chosen: `least_squares`, with how well
+//! they are known from `evidence`; the same behind the `observer`; or `kalman`. At rest nothing is learned and
 //! nothing is forgotten.
 //!
 //! An estimator is a value without clock, threads or I/O: the same samples in the same order give the same bits, in blocks
-//! of any size, and whether or not it was taken out and put back in between ([`state`]). It allocates
+//! of any size, and whether or not it was taken out and put back in between (`state`). It allocates
 //! nothing per sample. Whatever a sample holds, the worst that it does is not to be used.
 
 mod answer;

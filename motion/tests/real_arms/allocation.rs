@@ -65,7 +65,8 @@ fn set_points_at_constant_speed_allocate_nothing() {
 
 #[test]
 fn estimating_friction_allocates_nothing_after_the_first_block() {
-    let resolved = example::description("ur5e").resolve().expect("an arm");
+    // an arm whose rotors are known, for the observer
+    let resolved = example::description("puma560").resolve().expect("an arm");
     let robot = Robot::new(resolved.spec, resolved.warnings).expect("a robot");
     let block = |from: f64| {
         let times: Vec<f64> = (0..500).map(|index| from + 0.001 * f64::from(index)).collect();
