@@ -11,23 +11,15 @@ use crate::robot::Robot;
 use crate::robot::spec::Friction;
 use crate::test_arms;
 
-const COULOMB: Friction = Friction {
-    coulomb_positive: 5.0,
-    coulomb_negative: 3.0,
-    ..NONE
-};
-
-const NONE: Friction = Friction {
-    viscous: 0.0,
-    coulomb_positive: 0.0,
-    coulomb_negative: 0.0,
-};
-
 /// Two links of 1 m in a vertical plane; the limits of their accelerations and jerks.
 fn planar(acceleration: f64, jerk: f64) -> Robot {
     let mut spec = test_arms::planar();
     for joint in &mut spec.joints {
-        joint.drive.joint_friction = COULOMB;
+        joint.drive.joint_friction = Friction {
+            coulomb_positive: 5.0,
+            coulomb_negative: 3.0,
+            ..Friction::default()
+        };
         joint.limits.acceleration = Some(acceleration);
         joint.limits.jerk = Some(jerk);
     }

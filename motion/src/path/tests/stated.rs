@@ -21,7 +21,6 @@ fn planar(jerk: Option<f64>) -> Robot {
         joint.drive.joint_friction = Friction {
             coulomb_positive: coulomb,
             coulomb_negative: 0.7 * coulomb,
-            viscous: 0.5,
             ..joint.drive.joint_friction
         };
         joint.limits.jerk = jerk;
