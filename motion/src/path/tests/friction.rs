@@ -11,6 +11,7 @@ use crate::robot::Robot;
 use crate::robot::spec::Friction;
 use crate::test_arms;
 
+<<<<<<< HEAD
 const COULOMB: Friction = Friction {
     coulomb_positive: 5.0,
     coulomb_negative: 3.0,
@@ -26,11 +27,17 @@ const NONE: Friction = Friction {
     presliding_stiffness: None,
 };
 
+=======
+>>>>>>> verify
 /// Two links of 1 m in a vertical plane; the limits of their accelerations and jerks.
 fn planar(acceleration: f64, jerk: f64) -> Robot {
     let mut spec = test_arms::planar();
     for joint in &mut spec.joints {
-        joint.drive.joint_friction = COULOMB;
+        joint.drive.joint_friction = Friction {
+            coulomb_positive: 5.0,
+            coulomb_negative: 3.0,
+            ..Friction::default()
+        };
         joint.limits.acceleration = Some(acceleration);
         joint.limits.jerk = Some(jerk);
     }
