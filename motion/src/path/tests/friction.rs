@@ -11,24 +11,6 @@ use crate::robot::Robot;
 use crate::robot::spec::Friction;
 use crate::test_arms;
 
-<<<<<<< HEAD
-const COULOMB: Friction = Friction {
-    coulomb_positive: 5.0,
-    coulomb_negative: 3.0,
-    ..NONE
-};
-
-const NONE: Friction = Friction {
-    viscous: 0.0,
-    coulomb_positive: 0.0,
-    coulomb_negative: 0.0,
-    load_coulomb: 0.0,
-    quadratic: 0.0,
-    presliding_stiffness: None,
-};
-
-=======
->>>>>>> verify
 /// Two links of 1 m in a vertical plane; the limits of their accelerations and jerks.
 fn planar(acceleration: f64, jerk: f64) -> Robot {
     let mut spec = test_arms::planar();

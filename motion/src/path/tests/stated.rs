@@ -21,12 +21,9 @@ fn planar(jerk: Option<f64>, load: f64) -> Robot {
         joint.drive.joint_friction = Friction {
             coulomb_positive: coulomb,
             coulomb_negative: 0.7 * coulomb,
-<<<<<<< HEAD
             viscous: 0.5,
             load_coulomb: load,
             quadratic: load,
-=======
->>>>>>> verify
             ..joint.drive.joint_friction
         };
         joint.limits.jerk = jerk;
