@@ -210,7 +210,7 @@ impl Controller {
         adaptation.check(&mut wrong);
         for (joint, limit) in current_limits.iter().enumerate() {
             let path = format!("current_limits[{joint}]");
-            if !(*limit > 0.0) {
+            if limit.is_nan() || *limit <= 0.0 {
                 wrong.push(Invalid::new(path, format!("{limit} must be positive")));
             } else if robot
                 .spec()

@@ -174,7 +174,7 @@ impl Rehearsed<'_> {
         );
         let distance = (is.translation.vector - should.translation.vector).norm();
         sums.tool(time, distance, is.rotation.angle_to(&should.rotation));
-        let traced = self.request.trace_every.is_some_and(|every| step % every == 0);
+        let traced = self.request.trace_every.is_some_and(|every| step.is_multiple_of(every));
         if let Some(trace) = sums.trace.as_mut().filter(|_| traced) {
             trace.time.push(time);
             trace.tool_error.push(distance);
@@ -314,7 +314,7 @@ impl Sums {
         if step >= self.last_quarter {
             followed.error_rms_last += error;
         }
-        if step % self.friction_stride == 0 {
+        if step.is_multiple_of(self.friction_stride) {
             followed.points.push(FrictionPoint { time, assumed, truth });
         }
     }
