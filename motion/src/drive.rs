@@ -14,6 +14,7 @@
 //! surroundings: a wrench F that acts on the flange enters as τext = −Jᵀ·F.
 
 mod adapt;
+mod adaptation;
 pub mod controller;
 mod encoder;
 pub mod estimate;

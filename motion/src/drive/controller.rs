@@ -23,76 +23,13 @@
 //! step allocates nothing, reads no clock and has no state but what it is given.
 
 pub use super::adapt::Learned;
+pub use super::adaptation::Adaptation;
+use super::adaptation::lag;
 use super::feedforward::{Desired, Joint};
 pub use super::gains::{JointGains, default_gains};
 use crate::error::Invalid;
 use crate::robot::Robot;
-use crate::tolerance::{ADAPT_MEMORY, ADAPT_OUTPUT};
-
-/// Whether, and how fast, friction is adapted. L is that of the motor's side; the output's side, whose friction is only seen
-/// through the arm's own swinging, has a quarter of it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Adaptation {
-    /// The model's friction.
-    Off,
-    /// By the observer.
-    Observer {
-        /// L, 1/s; `None`: K_p/K_d of the joint.
-        rate: Option<f64>,
-    },
-    /// By coefficients that are learned, and by the observer for what they leave over.
-    Law {
-        /// L, 1/s; `None`: K_p/K_d of the joint.
-        rate: Option<f64>,
-        /// How long is remembered, s; `None`: 2.
-        memory: Option<f64>,
-    },
-}
-
-impl Default for Adaptation {
-    fn default() -> Self {
-        Self::Law {
-            rate: None,
-            memory: None,
-        }
-    }
-}
-
-impl Adaptation {
-    /// L of a joint, 1/s.
-    fn rate(self, gains: &JointGains) -> f64 {
-        match self {
-            Self::Off => 0.0,
-            Self::Observer { rate: Some(rate) } | Self::Law { rate: Some(rate), .. } => rate,
-            Self::Observer { rate: None } | Self::Law { rate: None, .. } if gains.velocity > 0.0 => {
-                gains.position / gains.velocity
-            }
-            Self::Observer { rate: None } | Self::Law { rate: None, .. } => 0.0,
-        }
-    }
-
-    /// λ at a period; `None` where nothing is learned.
-    fn forget(self, period: f64) -> Option<f64> {
-        let Self::Law { memory, .. } = self else { return None };
-        Some(libm::exp(-period / memory.unwrap_or(ADAPT_MEMORY)))
-    }
-
-    fn check(self, wrong: &mut Vec<Invalid>) {
-        let (rate, memory) = match self {
-            Self::Off => (None, None),
-            Self::Observer { rate } => (rate, None),
-            Self::Law { rate, memory } => (rate, memory),
-        };
-        if let Some(rate) = rate.filter(|rate| !(rate.is_finite() && *rate >= 0.0)) {
-            let message = format!("{rate} must be finite and at least 0");
-            wrong.push(Invalid::new("adaptation.rate", message));
-        }
-        if let Some(memory) = memory.filter(|memory| !(memory.is_finite() && *memory > 0.0)) {
-            let message = format!("{memory} must be positive and finite");
-            wrong.push(Invalid::new("adaptation.memory", message));
-        }
-    }
-}
+use crate::tolerance::ADAPT_OUTPUT;
 
 /// What is measured of a joint at the beginning of a step, seen from the joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -210,7 +147,7 @@ impl Controller {
         adaptation.check(&mut wrong);
         for (joint, limit) in current_limits.iter().enumerate() {
             let path = format!("current_limits[{joint}]");
-            if !(*limit > 0.0) {
+            if limit.is_nan() || *limit <= 0.0 {
                 wrong.push(Invalid::new(path, format!("{limit} must be positive")));
             } else if robot
                 .spec()
@@ -423,11 +360,6 @@ impl JointController {
             _ => desired.transmission_torque,
         }
     }
-}
-
-/// 1 − e^(−x).
-fn lag(x: f64) -> f64 {
-    -libm::expm1(-x)
 }
 
 #[cfg(test)]

@@ -141,10 +141,10 @@ impl Integrator {
                 sum += part * stage[index];
             }
             let error = (span * sum).abs() / weight;
-            // not a number counts as too large
-            if !(error <= largest) {
-                largest = if error.is_nan() { f64::INFINITY } else { error };
+            if error.is_nan() {
+                return f64::INFINITY;
             }
+            largest = largest.max(error);
         }
         largest
     }

@@ -9,6 +9,7 @@ mod check;
 pub mod outcome;
 pub mod request;
 mod run;
+mod sums;
 
 use self::outcome::{Rehearsal, RehearsalOutcome};
 use self::request::{Motion, RehearsalRequest};

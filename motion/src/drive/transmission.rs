@@ -114,7 +114,7 @@ impl Transmission {
     #[must_use]
     pub fn deformation(&self, torque: f64) -> Option<f64> {
         let asked = torque.abs();
-        if !(asked < self.largest.torque) {
+        if asked.is_nan() || asked >= self.largest.torque {
             return None;
         }
         let (mut low, mut high) = (0.0, self.largest.deformation);

@@ -74,7 +74,7 @@ fn check_friction(path: &str, truth: &FrictionTruth, find: &mut impl FnMut(Strin
         ("coulomb_rate", truth.coulomb_rate),
         ("viscous_rate", truth.viscous_rate),
     ] {
-        if !(value.abs() <= FRICTION_SCALE_MAX) {
+        if value.is_nan() || value.abs() > FRICTION_SCALE_MAX {
             let message = format!("{value} must be at most {FRICTION_SCALE_MAX} either way");
             find(format!("{path}.{field}"), message);
         }

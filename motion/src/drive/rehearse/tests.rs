@@ -242,10 +242,10 @@ fn a_wrench_deflects_a_held_arm_by_gains_and_stiffness() {
     // the tip is at the elbow's origin: links are 1 m long, and the first one alone carries it
     let tip = crate::kinematics::pose(&test_arms::robot(spec.clone()), &q, &nalgebra::Isometry3::identity());
     let expected = [-force * tip.translation.x, 0.0];
-    for joint in 0..2 {
+    for (joint, expected) in expected.into_iter().enumerate() {
         let gains = found.gains[joint];
         let stiffness = spec.joints[joint].drive.stiffness[0];
-        let deflection = expected[joint] * ((1.0 + gains.torque) / gains.position + 1.0 / stiffness);
+        let deflection = expected * ((1.0 + gains.torque) / gains.position + 1.0 / stiffness);
         let end = found.plain.joints[joint].error_end;
         // gravity changes with the pose: some percent, and of the elbow what the shoulder's deflection makes it
         assert!((end - deflection).abs() < 0.05 * deflection.abs() + 1e-4);
