@@ -27,18 +27,24 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// In these a field that says nothing is left out of the JSON: descriptions come back as they were given, and what was
 /// not asked for is not there. Everywhere else zeros and empty lists are written out.
-const SPARSE: [&str; 24] = [
+const SPARSE: [&str; 36] = [
     ".takt.v1.RobotDescription",
     ".takt.v1.JointDescription",
     ".takt.v1.JointLimits",
     ".takt.v1.Drive",
     ".takt.v1.Friction",
+    ".takt.v1.LinkInertia",
+    ".takt.v1.ModelUncertainty",
+    ".takt.v1.FittedParameter",
+    ".takt.v1.JointResidual",
+    ".takt.v1.ModelOrigin",
     ".takt.v1.Payload",
     ".takt.v1.Tool",
     ".takt.v1.Frame",
     ".takt.v1.Pose",
     ".takt.v1.InverseDynamicsResult",
     ".takt.v1.Setpoints",
+    ".takt.v1.JointColumns",
     ".takt.v1.PlanPathRequest",
     ".takt.v1.PathLimits",
     ".takt.v1.PathSegment",
@@ -52,6 +58,12 @@ const SPARSE: [&str; 24] = [
     ".takt.v1.StreamSetpointsRequest",
     ".takt.v1.PlanBatchRequest",
     ".takt.v1.InverseKinematicsRequest",
+    ".takt.v1.EstimateFrictionRequest",
+    ".takt.v1.EstimateHeader",
+    ".takt.v1.FrictionTerms",
+    ".takt.v1.FrictionPrior",
+    ".takt.v1.Telemetry",
+    ".takt.v1.TelemetryColumns",
 ];
 
 fn write_json_form(descriptor: &[u8], out: &Path) -> Result<(), Box<dyn Error>> {

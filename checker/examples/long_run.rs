@@ -15,16 +15,20 @@
 
 #![allow(clippy::print_stdout, reason = "a program that prints a table")]
 
+#[path = "common/findings.rs"]
+mod findings;
+#[path = "common/payloads.rs"]
+mod payloads;
 #[path = "common/robots.rs"]
 mod robots;
 #[path = "common/runs.rs"]
 mod runs;
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 use std::process::ExitCode;
 use std::time::Instant;
 
+use findings::Findings;
 use robots::Example;
 use runs::{Arguments, Part};
 use serde::{Deserialize, Serialize};
@@ -63,33 +67,30 @@ struct Tally {
     states: u64,
     /// Of planning and of rechecking, s.
     seconds: [f64; 2],
-    /// Plans by robot and method.
-    plans: BTreeMap<String, u64>,
-    /// Moves without a plan, by robot and reason.
-    refused: BTreeMap<String, u64>,
-    /// By robot and kind of limit: the largest excess, negative where there is room left, and its seed.
-    worst: BTreeMap<String, (f64, u64)>,
+    #[serde(flatten)]
+    findings: Findings,
     /// The largest part of a torque limit that may lie between two states of the recheck.
     resolution: f64,
     /// The most by which a plan states less than the peak torque found, as part of the limit.
     understated: (f64, u64),
-    violations: Vec<String>,
     /// Of all plans, in no order.
     digest: u64,
 }
 
 fn main() -> ExitCode {
-    if let Some(seed) = std::env::args().nth(1).and_then(|seed| seed.parse().ok()) {
-        return show(&robots::all(), seed);
+    let (robots, arguments) = robots::asked_for();
+    if let Some(seed) = arguments.first().and_then(|seed| seed.parse().ok()) {
+        return show(&robots, seed);
     }
-    let Some(arguments) = Arguments::read(std::env::args().skip(1), CHUNK) else {
-        println!("usage: long_run FROM..TO [--threads N] [--file PATH], or long_run SEED; FROM is whole thousands");
+    let Some(arguments) = Arguments::read(arguments.into_iter(), CHUNK) else {
+        println!(
+            "usage: long_run FROM..TO [--threads N] [--file PATH] [--rich-friction], or long_run SEED; FROM is whole thousands"
+        );
         return ExitCode::from(2);
     };
-    let robots = robots::all();
     let sum = runs::run(&arguments, CHUNK, |seeds| run(&robots, seeds));
     sum.print();
-    ExitCode::from(u8::from(!sum.violations.is_empty()))
+    ExitCode::from(u8::from(!sum.findings.violations.is_empty()))
 }
 
 /// The move of one seed, and everything that is known of it. Fails where it exceeds a limit.
@@ -131,7 +132,7 @@ fn draw_request(example: &Example, draw: &mut Draw) -> MoveRequest {
     let spec = example.robot.spec();
     let (start, target) = draw_poses(spec, draw);
     let mass = draw.between(0.0, example.payload_max);
-    let payload = robots::ball(mass, draw::vector(draw, 0.1));
+    let payload = payloads::ball(mass, draw::vector(draw, 0.1));
     let joint = &spec.joints[(draw.bits() % start.len() as u64) as usize];
     let mut part = |limit: Option<f64>, lowest| limit.map(|limit| limit * draw.between(lowest, 1.0));
     let tightened = LimitOverride {
@@ -201,10 +202,7 @@ impl Tally {
         self.seconds[0] += began.elapsed().as_secs_f64();
         let refused = match outcome {
             Ok(MoveOutcome::Plan(plan)) => {
-                *self
-                    .plans
-                    .entry(format!("{} {:?}", example.name, plan.method))
-                    .or_default() += 1;
+                self.findings.count_plan(format!("{} {:?}", example.name, plan.method));
                 let began = Instant::now();
                 let report = recheck(example, request, &plan);
                 self.seconds[1] += began.elapsed().as_secs_f64();
@@ -215,12 +213,13 @@ impl Tally {
             }
             Ok(MoveOutcome::Infeasible(infeasible)) => format!("{:?}", infeasible.reason),
             Err(failure) => {
-                self.violations
+                self.findings
+                    .violations
                     .push(format!("seed {seed}, {}: {failure:?}", example.name));
                 "Failure".to_owned()
             }
         };
-        *self.refused.entry(format!("{} {refused}", example.name)).or_default() += 1;
+        self.findings.count_refusal(format!("{} {refused}", example.name));
     }
 
     fn judge(&mut self, seed: u64, name: &str, report: &Report, plan: &MovePlan) {
@@ -229,10 +228,7 @@ impl Tally {
             for (kind, extreme) in found.extremes() {
                 let Some(excess) = extreme.excess else { continue };
                 let key = format!("{name} {kind:?}");
-                let worst = self.worst.entry(key).or_insert((f64::NEG_INFINITY, seed));
-                if excess > worst.0 {
-                    *worst = (excess, seed);
-                }
+                self.findings.keep_excess(key, excess, seed);
             }
             let Some(limit) = found.torque.limit else { continue };
             self.resolution = self.resolution.max(found.torque_resolution / limit);
@@ -243,14 +239,15 @@ impl Tally {
                 self.understated = (less, seed);
             }
             if less > UNDERSTATED {
-                self.violations.push(format!(
+                self.findings.violations.push(format!(
                     "seed {seed}, {name}: joint {joint} states a peak torque {less:.1e} too low"
                 ));
             }
         }
         if !report.holds(EXCESS) {
             let (worst, odd) = (report.worst(), &report.inconsistencies);
-            self.violations
+            self.findings
+                .violations
                 .push(format!("seed {seed}, {name}, {method:?}: {worst:?} {odd:?}"));
         }
     }
@@ -265,18 +262,8 @@ impl Tally {
             "{:.0} s of planning, {:.0} s of rechecking",
             self.seconds[0], self.seconds[1]
         );
-        println!("\nplans");
-        for (key, count) in &self.plans {
-            println!("  {key:<28} {count:>9}");
-        }
-        println!("\nwithout a plan");
-        for (key, count) in &self.refused {
-            println!("  {key:<28} {count:>9}");
-        }
-        println!("\nlargest excess over a limit, as part of it; negative: room left");
-        for (key, (excess, seed)) in &self.worst {
-            println!("  {key:<28} {excess:>+10.2e}   seed {seed}");
-        }
+        self.findings.print_counts();
+        self.findings.print_worst();
         println!(
             "\ntorque between two states: at most {:.1e} of a limit",
             self.resolution
@@ -284,10 +271,7 @@ impl Tally {
         let (less, seed) = self.understated;
         println!("peak torque stated too low by at most {less:.1e} of a limit (seed {seed})");
         println!("digest of all plans {:016x}", self.digest);
-        println!("\n{} violations", self.violations.len());
-        for violation in &self.violations {
-            println!("  {violation}");
-        }
+        self.findings.print_violations();
     }
 }
 
@@ -297,7 +281,7 @@ impl Part for Tally {
     }
 
     fn progress(&self) -> (u64, usize) {
-        (self.moves, self.violations.len())
+        (self.moves, self.findings.violations.len())
     }
 
     fn add(&mut self, part: &Self) {
@@ -306,23 +290,11 @@ impl Part for Tally {
         for (sum, seconds) in self.seconds.iter_mut().zip(part.seconds) {
             *sum += seconds;
         }
-        for (key, count) in &part.plans {
-            *self.plans.entry(key.clone()).or_default() += count;
-        }
-        for (key, count) in &part.refused {
-            *self.refused.entry(key.clone()).or_default() += count;
-        }
-        for (key, found) in &part.worst {
-            let worst = self.worst.entry(key.clone()).or_insert(*found);
-            if found.0 > worst.0 {
-                *worst = *found;
-            }
-        }
+        self.findings.add(&part.findings);
         self.resolution = self.resolution.max(part.resolution);
         if part.understated.0 > self.understated.0 {
             self.understated = part.understated;
         }
-        self.violations.extend(part.violations.iter().cloned());
         self.digest = self.digest.wrapping_add(part.digest);
     }
 }

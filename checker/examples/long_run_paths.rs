@@ -14,10 +14,11 @@
 
 #![allow(clippy::print_stdout, reason = "a program that prints a table")]
 
+#[path = "common/findings.rs"]
+mod findings;
 #[path = "common/programs.rs"]
 mod programs;
 #[path = "common/robots.rs"]
-#[allow(dead_code, reason = "shared with programs that need more of it")]
 mod robots;
 #[path = "common/runs.rs"]
 mod runs;
@@ -27,6 +28,7 @@ use std::ops::Range;
 use std::process::ExitCode;
 use std::time::Instant;
 
+use findings::Findings;
 use programs::Trial;
 use robots::Example;
 use runs::{Arguments, Part};
@@ -48,32 +50,27 @@ struct Tally {
     to: u64,
     programs: u64,
     set_points: u64,
-    /// Plans by robot and jerk.
-    plans: BTreeMap<String, u64>,
-    /// Programs without a plan, by robot and reason.
-    refused: BTreeMap<String, u64>,
-    /// By robot, kind of limit and where it was looked for: the largest excess, negative where there is room left, and its
-    /// seed.
-    worst: BTreeMap<String, (f64, u64)>,
+    #[serde(flatten)]
+    findings: Findings,
     /// Times of planning without sampling, s, by robot and jerk.
     planning: BTreeMap<String, Vec<f64>>,
-    violations: Vec<String>,
 }
 
 fn main() -> ExitCode {
-    let robots = robots::all();
-    if let Some(seed) = std::env::args().nth(1).and_then(|seed| seed.parse().ok()) {
+    let (robots, arguments) = robots::asked_for();
+    if let Some(seed) = arguments.first().and_then(|seed| seed.parse().ok()) {
         return show(&robots, seed);
     }
-    let Some(arguments) = Arguments::read(std::env::args().skip(1), CHUNK) else {
+    let Some(arguments) = Arguments::read(arguments.into_iter(), CHUNK) else {
         println!(
-            "usage: long_run_paths FROM..TO [--threads N] [--file PATH], or long_run_paths SEED; FROM is whole hundreds"
+            "usage: long_run_paths FROM..TO [--threads N] [--file PATH] [--rich-friction], or long_run_paths SEED; FROM is \
+             whole hundreds"
         );
         return ExitCode::from(2);
     };
     let sum = runs::run(&arguments, CHUNK, |seeds| run(&robots, seeds));
     sum.print();
-    ExitCode::from(u8::from(!sum.violations.is_empty()))
+    ExitCode::from(u8::from(!sum.findings.violations.is_empty()))
 }
 
 /// The program of one seed, and everything that is known of it.
@@ -121,7 +118,7 @@ impl Tally {
         let outcome = plan_path(&trial.example.robot, &trial.request, &Budget::unlimited());
         let refused = match outcome {
             Ok(PathOutcome::Plan(plan)) => {
-                *self.plans.entry(format!("{name} {jerk}")).or_default() += 1;
+                self.findings.count_plan(format!("{name} {jerk}"));
                 self.time(trial, format!("{name} {jerk}"));
                 let report = recheck(trial, &plan);
                 self.set_points += report.sample_count as u64;
@@ -130,11 +127,13 @@ impl Tally {
             }
             Ok(PathOutcome::Infeasible(infeasible)) => format!("{:?}", infeasible.reason),
             Err(failure) => {
-                self.violations.push(format!("seed {seed}, {name}: {failure:?}"));
+                self.findings
+                    .violations
+                    .push(format!("seed {seed}, {name}: {failure:?}"));
                 "Failure".to_owned()
             }
         };
-        *self.refused.entry(format!("{name} {refused}")).or_default() += 1;
+        self.findings.count_refusal(format!("{name} {refused}"));
     }
 
     /// Plans once more as a caller would who wants set-points at 4 ms, and keeps the time it took.
@@ -152,16 +151,15 @@ impl Tally {
     fn judge(&mut self, seed: u64, name: &str, report: &PathReport) {
         for extreme in &report.extremes {
             let key = format!("{name} {:?} {:?}", extreme.kind, extreme.source);
-            let worst = self.worst.entry(key).or_insert((f64::NEG_INFINITY, seed));
-            if extreme.excess > worst.0 {
-                *worst = (extreme.excess, seed);
-            }
+            self.findings.keep_excess(key, extreme.excess, seed);
         }
         for extreme in report.violations() {
-            self.violations.push(format!("seed {seed}, {name}: {extreme:?}"));
+            self.findings
+                .violations
+                .push(format!("seed {seed}, {name}: {extreme:?}"));
         }
         for fault in &report.faults {
-            self.violations.push(format!("seed {seed}, {name}: {fault:?}"));
+            self.findings.violations.push(format!("seed {seed}, {name}: {fault:?}"));
         }
     }
 
@@ -171,14 +169,7 @@ impl Tally {
             self.programs,
             self.set_points as f64 / 1e6
         );
-        println!("\nplans");
-        for (key, count) in &self.plans {
-            println!("  {key:<40} {count:>9}");
-        }
-        println!("\nwithout a plan");
-        for (key, count) in &self.refused {
-            println!("  {key:<40} {count:>9}");
-        }
+        self.findings.print_counts();
         println!("\nplanning with set-points every 4 ms, ms: median, 95th percentile, longest");
         for (key, times) in &self.planning {
             let mut sorted = times.clone();
@@ -186,14 +177,8 @@ impl Tally {
             let [median, late, longest] = [0.5, 0.95, 1.0].map(|share| 1e3 * quantile(&sorted, share));
             println!("  {key:<40} {median:>9.1} {late:>9.1} {longest:>9.1}");
         }
-        println!("\nlargest excess over a limit, as part of it; negative: room left");
-        for (key, (excess, seed)) in &self.worst {
-            println!("  {key:<40} {excess:>+10.2e}   seed {seed}");
-        }
-        println!("\n{} violations", self.violations.len());
-        for violation in &self.violations {
-            println!("  {violation}");
-        }
+        self.findings.print_worst();
+        self.findings.print_violations();
     }
 }
 
@@ -203,27 +188,15 @@ impl Part for Tally {
     }
 
     fn progress(&self) -> (u64, usize) {
-        (self.programs, self.violations.len())
+        (self.programs, self.findings.violations.len())
     }
 
     fn add(&mut self, part: &Self) {
         self.programs += part.programs;
         self.set_points += part.set_points;
-        for (key, count) in &part.plans {
-            *self.plans.entry(key.clone()).or_default() += count;
-        }
-        for (key, count) in &part.refused {
-            *self.refused.entry(key.clone()).or_default() += count;
-        }
-        for (key, found) in &part.worst {
-            let worst = self.worst.entry(key.clone()).or_insert(*found);
-            if found.0 > worst.0 {
-                *worst = *found;
-            }
-        }
+        self.findings.add(&part.findings);
         for (key, times) in &part.planning {
             self.planning.entry(key.clone()).or_default().extend(times);
         }
-        self.violations.extend(part.violations.iter().cloned());
     }
 }

@@ -10,7 +10,10 @@
 
 #![allow(clippy::print_stdout, reason = "a program that prints a table")]
 
+#[path = "common/payloads.rs"]
+mod payloads;
 #[path = "common/robots.rs"]
+#[allow(dead_code, reason = "shared with programs that need more of it")]
 mod robots;
 
 use nalgebra::Vector3;
@@ -78,7 +81,7 @@ fn request(example: &Example, reach: f64, draw: &mut Draw) -> MoveRequest {
         start,
         target,
         target_velocity: None,
-        payload: Some(robots::ball(mass, Vector3::new(0.0, 0.0, 0.05))),
+        payload: Some(payloads::ball(mass, Vector3::new(0.0, 0.0, 0.05))),
         limits: Vec::new(),
         torque_utilization: 1.0,
         speed_scale: 1.0,
@@ -174,19 +177,10 @@ impl StraightPath {
             .zip(&request.start)
             .map(|(to, from)| to - from)
             .collect();
-        let twice: Vec<f64> = along.iter().map(|by| 2.0 * by).collect();
         let still = vec![0.0; count];
-        let [mut once, mut both, mut rotor] = [(); 3].map(|()| vec![0.0; count]);
-        arm.friction_torque(&along, &mut once);
-        arm.friction_torque(&twice, &mut both);
+        let mut rotor = vec![0.0; count];
         arm.rotor_torque(&along, &mut rotor);
-        // friction is linear in the speed, but for the Coulomb torque
-        let viscous: Vec<f64> = both.iter().zip(&once).map(|(both, once)| both - once).collect();
-        let coulomb: Vec<f64> = once
-            .iter()
-            .zip(&viscous)
-            .map(|(once, viscous)| once - viscous)
-            .collect();
+        let mut viscous = still.clone();
         let mut samples = Vec::with_capacity(intervals + 1);
         for sample in 0..=intervals {
             let s = sample as f64 / intervals as f64;
@@ -195,6 +189,20 @@ impl StraightPath {
                 .iter()
                 .zip(&along)
                 .map(|(from, by)| from + s * by)
+                .collect();
+            let mut friction = |times: f64| {
+                let qd: Vec<f64> = along.iter().map(|by| times * by).collect();
+                let mut torque = vec![0.0; count];
+                arm.friction_torque(workspace, &q, &qd, &mut torque);
+                torque
+            };
+            // a parabola of the speed: Coulomb's, viscous, quadratic
+            let [once, twice, thrice] = [1.0, 2.0, 3.0].map(&mut friction);
+            let quadratic: Vec<f64> = (0..count)
+                .map(|joint| 0.5 * (once[joint] - 2.0 * twice[joint] + thrice[joint]))
+                .collect();
+            viscous = (0..count)
+                .map(|joint| twice[joint] - once[joint] - 3.0 * quadratic[joint])
                 .collect();
             let mut torque = |qd: &[f64], qdd: &[f64]| {
                 let mut torque = vec![0.0; count];
@@ -205,8 +213,8 @@ impl StraightPath {
                 (torque(&still, &still), torque(&still, &along), torque(&along, &still));
             let terms = (0..count).map(|joint| Terms {
                 mass: accelerated[joint] - gravity[joint] + rotor[joint],
-                velocity: moved[joint] - gravity[joint],
-                still: gravity[joint] + coulomb[joint],
+                velocity: moved[joint] - gravity[joint] + quadratic[joint],
+                still: gravity[joint] + once[joint] - viscous[joint] - quadratic[joint],
             });
             samples.push(terms.collect());
         }

@@ -21,10 +21,13 @@
 //!
 //! ```text
 //! rotor:     ξ² I_m q̈
-//! friction:  ξ² (viscous, motor side) q̇ + |ξ| (Coulomb, motor side) sgn q̇ + the joint side's, as it stands
+//! friction:  ξ² (viscous, motor side) q̇ + |ξ|³ (quadratic, motor side) q̇ |q̇| + |ξ| (Coulomb, motor side) sgn q̇
+//!            + the joint side's, as it stands
+//!            + (of the load, both sides) |z_i · weight| sgn q̇
 //! ```
 //!
-//! with the sign, and the choice between a Coulomb torque's two directions, by the joint's own motion.
+//! with the sign, and the choice between a Coulomb torque's two directions, by the joint's own motion. The weight is that of
+//! all bodies beyond the joint: its moment about the axis where the joint turns, its force along it where it slides.
 
 mod tool;
 
@@ -73,8 +76,11 @@ struct Body {
 struct DriveLaw {
     rotor_inertia: f64,
     viscous: f64,
+    quadratic: f64,
     coulomb_positive: f64,
     coulomb_negative: f64,
+    /// Coulomb torque over what holding the weight takes.
+    of_load: f64,
 }
 
 /// A link's motion in base axes.
@@ -163,9 +169,29 @@ impl Arm {
         tau: &mut [f64],
     ) {
         self.rigid_torque(workspace, q, qd, qdd, tau);
-        for ((((joint, qd), qdd), direction), tau) in self.joints.iter().zip(qd).zip(qdd).zip(direction).zip(tau) {
-            *tau += joint.drive.rotor_inertia * qdd + joint.drive.friction(*qd, *direction);
+        for (index, tau) in tau.iter_mut().enumerate() {
+            let drive = &self.joints[index].drive;
+            let weight = self.weight_on(workspace, index);
+            *tau += drive.rotor_inertia * qdd[index] + drive.friction(qd[index], direction[index], weight);
         }
+    }
+
+    /// What it takes to hold the weight of everything beyond a joint, where the links were moved to last; 0 where no friction
+    /// depends on it.
+    fn weight_on(&self, workspace: &Workspace, index: usize) -> f64 {
+        let joint = &self.joints[index];
+        if joint.drive.of_load == 0.0 {
+            return 0.0;
+        }
+        let own = &workspace.links[index];
+        self.bodies(workspace)
+            .skip(index)
+            .map(|(body, motion)| {
+                let force = self.gravity * -body.mass;
+                let arm = motion.origin + motion.axes * body.center - own.origin;
+                own.axis.dot(&if joint.slides { force } else { arm.cross(&force) })
+            })
+            .sum()
     }
 
     /// Writes the torque of every rotor alone, at its joint.
@@ -176,9 +202,12 @@ impl Arm {
     }
 
     /// Writes the friction torque of every drive alone, at its joint, with the direction of the velocity itself.
-    pub fn friction_torque(&self, qd: &[f64], tau: &mut [f64]) {
-        for ((joint, qd), tau) in self.joints.iter().zip(qd).zip(tau) {
-            *tau = joint.drive.friction(*qd, *qd);
+    pub fn friction_torque(&self, workspace: &mut Workspace, q: &[f64], qd: &[f64], tau: &mut [f64]) {
+        // Of the links' motion only where they are counts here: any rates will do.
+        self.move_links(workspace, q, qd, qd);
+        for (index, tau) in tau.iter_mut().enumerate() {
+            let weight = self.weight_on(workspace, index);
+            *tau = self.joints[index].drive.friction(qd[index], qd[index], weight);
         }
     }
 
@@ -322,17 +351,20 @@ impl DriveLaw {
             viscous: sum(|side| side.viscous, ratio * ratio),
             coulomb_positive: sum(|side| side.coulomb_positive, ratio.abs()),
             coulomb_negative: sum(|side| side.coulomb_negative, ratio.abs()),
+            quadratic: sum(|side| side.quadratic, ratio.abs().powi(3)),
+            of_load: sum(|side| side.load_coulomb, 1.0),
         }
     }
 
-    fn friction(&self, qd: f64, direction: f64) -> f64 {
-        let coulomb = if direction > 0.0 {
-            self.coulomb_positive
+    fn friction(&self, qd: f64, direction: f64, weight: f64) -> f64 {
+        let rubbing = self.of_load * weight.abs();
+        let dry = if direction > 0.0 {
+            self.coulomb_positive + rubbing
         } else if direction < 0.0 {
-            -self.coulomb_negative
+            -self.coulomb_negative - rubbing
         } else {
             0.0
         };
-        self.viscous * qd + coulomb
+        (self.viscous + self.quadratic * qd.abs()) * qd + dry
     }
 }

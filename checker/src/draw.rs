@@ -86,8 +86,8 @@ pub fn arm(draw: &mut Draw, count: usize) -> RobotSpec {
             drive: Drive {
                 gear_ratio: draw.between(-120.0, 120.0),
                 rotor_inertia: draw.between(0.0, 3e-4),
-                motor_friction: friction(draw, 1e-3),
-                joint_friction: friction(draw, 5.0),
+                motor_friction: friction(draw, 1e-3, 1e-6),
+                joint_friction: friction(draw, 5.0, 1.0),
                 ..Drive::default()
             },
         })
@@ -103,6 +103,23 @@ pub fn arm(draw: &mut Draw, count: usize) -> RobotSpec {
     }
 }
 
+/// The same arm with drives that rub in proportion to their load, up to 12 %, and to the speed squared, up to 6 % of the
+/// peak torque at full speed, stated on either side of the gear.
+#[must_use]
+pub fn with_rich_friction(draw: &mut Draw, mut spec: RobotSpec) -> RobotSpec {
+    for joint in &mut spec.joints {
+        let drive = &mut joint.drive;
+        let speed = joint.limits.velocity.unwrap_or(1.0);
+        let most = 0.03 * drive.peak_torque.unwrap_or(1.0) / (speed * speed);
+        let gain = drive.gear_ratio.abs().powi(3);
+        for (side, gain) in [(&mut drive.motor_friction, gain), (&mut drive.joint_friction, 1.0)] {
+            side.load_coulomb = draw.between(0.0, 0.06);
+            side.quadratic = draw.between(0.0, most) / gain;
+        }
+    }
+    spec
+}
+
 fn rotation(draw: &mut Draw) -> Rotation3<f64> {
     Rotation3::from_scaled_axis(vector(draw, PI))
 }
@@ -114,11 +131,13 @@ fn placement(draw: &mut Draw) -> Isometry3<f64> {
     )
 }
 
-fn friction(draw: &mut Draw, size: f64) -> Friction {
+fn friction(draw: &mut Draw, size: f64, quadratic: f64) -> Friction {
     Friction {
         viscous: draw.between(0.0, size),
         coulomb_positive: draw.between(0.0, size),
         coulomb_negative: draw.between(0.0, size),
-        ..Friction::default()
+        load_coulomb: draw.between(0.0, 0.1),
+        quadratic: draw.between(0.0, quadratic),
+        presliding_stiffness: None,
     }
 }

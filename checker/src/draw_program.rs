@@ -1,6 +1,7 @@
 //! Random robot programs that an arm can mostly run: taught points are where nearby random joint positions put the tool,
 //! and those are kept away from singular poses. Same seed, same program.
 
+mod constant;
 mod shapes;
 
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
@@ -11,6 +12,7 @@ use takt_motion::plan::request::{LimitOverride, Sampling};
 use takt_motion::robot::spec::{Inertial, JointSpec, RobotSpec};
 
 use crate::draw::{self, Draw};
+pub use constant::at_constant_speed;
 use shapes::Hand;
 
 /// What the programs of one robot are drawn for.

@@ -302,12 +302,12 @@ pub fn derive_preset(spec: &RobotSpec, arm: &Arm, bounds: &[Bounds], pose_count:
     let mut unit = still.clone();
     let mut friction = [still.clone(), still.clone()];
     let backwards: Vec<f64> = velocity.iter().map(|speed| -speed).collect();
-    arm.friction_torque(&velocity, &mut friction[0]);
-    arm.friction_torque(&backwards, &mut friction[1]);
     let mut factors = Vec::new();
     for _ in 0..pose_count {
         let q = draw::pose_within(&mut draw, spec);
         arm.rigid_torque(&mut workspace, &q, &still, &still, &mut gravity);
+        arm.friction_torque(&mut workspace, &q, &velocity, &mut friction[0]);
+        arm.friction_torque(&mut workspace, &q, &backwards, &mut friction[1]);
         let mut swept = vec![0.0; joint_count];
         for joint in 0..joint_count {
             unit[joint] = velocity[joint];

@@ -16,18 +16,21 @@
 //!   and means keep every limit that what they are of keeps: so do the differences, whatever the path does in between;
 //! - the columns against each other: velocities are the derivatives of positions, accelerations those of velocities, to
 //!   within what the step leaves open;
-//! - what is at the ends and at the exact stops, and what the plan says of itself.
+//! - what is at the ends and at the exact stops, and what the plan says of itself;
+//! - at constant speed, the tool speeds between transitions and within them.
 //!
 //! A maximum of the torque between two set-points is seen only by asking for more of them.
 
 pub mod bounds;
 mod claims;
 mod columns;
+mod constant;
 mod differences;
 mod ends;
 pub mod report;
 mod samples;
 mod states;
+mod ways;
 
 use takt_motion::path::outcome::PathPlan;
 use takt_motion::path::request::PathRequest;
@@ -96,5 +99,6 @@ pub fn recheck_path(spec: &RobotSpec, request: &PathRequest, plan: &PathPlan, de
     columns::check(&case, &mut report);
     ends::check(&case, spec, workspace, &mut report);
     claims::check(&case, &mut report);
+    constant::check(&case, &mut report);
     report
 }

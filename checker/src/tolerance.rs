@@ -100,3 +100,11 @@ pub const fn path_claim(kind: PathLimit) -> f64 {
 /// What a mean acceleration over a step may be beyond its neighbours', as part of the range of all, where no jerk limit
 /// says more: a jump there and back within a hundredth of the step.
 pub const BLIP: f64 = 1e-2;
+
+/// Acceleration that says which way a joint at rest sets out, as part of the joint's largest; and the way, in rad or m, that
+/// it must take a joint in the square of the plan's duration. What is smaller is the rounding of nothing.
+pub const WAY: f64 = 1e-9;
+
+/// Disagreement about a tool speed that is constant, or about the lowest one, relative: following the tool by inverse
+/// kinematics leaves some 1e-10 of it.
+pub const CONSTANT_SPEED: f64 = 1e-8;

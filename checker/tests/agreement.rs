@@ -48,8 +48,8 @@ fn check(seed: u64, payload_of: fn(&mut Draw) -> Option<Inertial>) {
                 arm.rotor_torque(&qdd, &mut expected);
                 dynamics::rotor_torque(&robot, &qdd, &mut found);
                 assert_agree(&found, &expected, "rotor");
-                arm.friction_torque(&qd, &mut expected);
-                dynamics::friction_torque(&robot, &qd, &mut found);
+                arm.friction_torque(&mut workspace, &q, &qd, &mut expected);
+                dynamics::friction_torque(&robot, &mut scratch, &q, &qd, &mut found);
                 assert_agree(&found, &expected, "friction");
             }
         }

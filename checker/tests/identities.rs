@@ -315,6 +315,45 @@ fn drive_adds_rotor_and_friction_at_the_joint() {
 }
 
 #[test]
+fn friction_of_the_load_goes_with_the_slope_of_the_potential_energy() {
+    let mut draw = Draw::seeded(8);
+    for count in 1..=7 {
+        let spec = draw::arm(&mut draw, count);
+        let arm = Arm::new(&spec, None);
+        let workspace = &mut Workspace::default();
+        let (q, qd) = (draw::values(&mut draw, count, 3.0), draw::values(&mut draw, count, 2.0));
+        let mut found = vec![0.0; count];
+        arm.friction_torque(workspace, &q, &qd, &mut found);
+        for (index, joint) in spec.joints.iter().enumerate() {
+            let mut energy = |by: f64| {
+                let mut q = q.clone();
+                q[index] += by;
+                arm.potential_energy(workspace, &q)
+            };
+            let slope = (energy(1e-4) - energy(-1e-4)) / 2e-4;
+            let (motor, own, ratio) = (
+                &joint.drive.motor_friction,
+                &joint.drive.joint_friction,
+                joint.drive.gear_ratio,
+            );
+            let (speed, ratio) = (qd[index], ratio.abs());
+            let coulomb = match speed > 0.0 {
+                true => ratio * motor.coulomb_positive + own.coulomb_positive,
+                false => ratio * motor.coulomb_negative + own.coulomb_negative,
+            };
+            let load = (motor.load_coulomb + own.load_coulomb) * slope.abs();
+            let viscous = (ratio * ratio * motor.viscous + own.viscous) * speed.abs();
+            let quadratic = (ratio * ratio * ratio * motor.quadratic + own.quadratic) * speed * speed;
+            let expected = speed.signum() * (coulomb + load + viscous + quadratic);
+            assert!(
+                (found[index] - expected).abs() <= 1e-6 * (1.0 + expected.abs()),
+                "{found:?} {expected}"
+            );
+        }
+    }
+}
+
+#[test]
 fn payload_hangs_on_the_tip_link() {
     // A level link along x; the tip frame at its end, turned a quarter about y: its z points along base x.
     let mut spec = arm(vec![joint(

@@ -226,6 +226,14 @@ fn friction_that_differs_by_direction_keeps_every_limit() {
     Trial::of(spec).check_all();
 }
 
+#[test]
+fn friction_of_the_load_and_of_the_speed_squared_keeps_every_limit() {
+    let mut draw = Draw::seeded(9);
+    for spec in [ur5e_with_friction(), fr3(), arms::puma_from_table().spec] {
+        Trial::of(draw::with_rich_friction(&mut draw, spec)).check_all();
+    }
+}
+
 fn ur5e_with_friction() -> RobotSpec {
     let mut spec = ur5e();
     for (joint, size) in spec.joints.iter_mut().zip([8.0, 8.0, 6.0, 2.0, 2.0, 1.5]) {
@@ -279,7 +287,8 @@ fn torque_peaks_just_before_a_switching_time_are_seen() {
 
 #[test]
 fn endpoint_method_is_the_patents() {
-    for spec in [ur5e(), fr3(), panda(), arms::puma_from_table().spec] {
+    let rich = draw::with_rich_friction(&mut Draw::seeded(10), ur5e_with_friction());
+    for spec in [ur5e(), fr3(), panda(), arms::puma_from_table().spec, rich] {
         let mut compared_count = 0;
         Trial::of(spec).for_plans(MOVES, Method::Endpoint, |trial, request, bounds, plan| {
             if plan.duration == 0.0 {

@@ -5,6 +5,7 @@
 mod lifts;
 
 use lifts::{LOWER, Lifts, UPPER};
+use takt_checker::Density;
 use takt_checker::path::bounds;
 use takt_checker::path::report::{FaultKind, PathReport, Source};
 use takt_motion::path::outcome::{PathLimit, PathPlan};
@@ -214,6 +215,33 @@ fn friction_acts_from_the_first_moment_on() {
 }
 
 #[test]
+fn a_first_torque_without_friction_is_found() {
+    // Up from rest at 4/3 m/s²: 12 kg and the 2 kg above it, and 5 N of friction from the first moment on.
+    let lifts = Lifts::trapezoidal();
+    let odd = |torque: f64| {
+        let mut plan = lifts.plan();
+        lifts::column(&mut plan, LOWER).torque[0] += torque;
+        let faults = lifts.recheck(&plan).faults;
+        faults
+            .iter()
+            .any(|fault| (fault.kind, fault.index) == (FaultKind::TorqueColumn, LOWER))
+    };
+    assert!(!odd(0.0));
+    assert!(odd(-5.0));
+    assert!(odd(-8.0));
+    // Against a jerk limit the first acceleration is none: friction as the arm sets out, or none before; never the other.
+    let lifts = Lifts::new();
+    let odd = |torque: f64| {
+        let mut plan = lifts.plan();
+        lifts::column(&mut plan, LOWER).torque[0] += torque;
+        !lifts.recheck(&plan).faults.is_empty()
+    };
+    assert!(!odd(0.0));
+    assert!(!odd(-5.0));
+    assert!(odd(-8.0));
+}
+
+#[test]
 fn a_pose_that_cannot_be_held_is_found() {
     // Things fall upwards: going there, friction carries part of the load; while it dwells, it does not.
     let mut lifts = Lifts::new();
@@ -418,4 +446,26 @@ fn jumps_of_acceleration_are_no_faults() {
     assert!(odd.is_empty(), "{odd:?}");
     // Yet the third difference of one sees them.
     assert!(broken(&report).contains(&(PathLimit::Jerk, Some(LOWER), Source::Differences)));
+}
+
+#[test]
+fn what_a_joint_does_just_before_a_stop_is_within_its_limit() {
+    // Set-points every half second: the one at the stop has the acceleration of the dwell, none.
+    let mut lifts = Lifts::trapezoidal();
+    lifts.request.sampling = Sampling::Trace(9);
+    let mut plan = lifts.plan();
+    let column = lifts::column(&mut plan, LOWER);
+    assert_eq!(column.velocity[4], 0.0);
+    column.velocity[1..4].copy_from_slice(&[1.5, 3.0, 4.0]);
+    let odd = |lifts: &Lifts| {
+        let faults = lifts.recheck_as(&plan, Density::Coarse).faults;
+        let kind = FaultKind::AccelerationColumn;
+        let mut found = faults.iter().filter(|fault| (fault.kind, fault.index) == (kind, LOWER));
+        found.next().map(|fault| (fault.time, fault.expected))
+    };
+    // From 4 m/s to rest within the last half second, which 8 m/s² do.
+    lifts.spec.joints[LOWER].limits.acceleration = Some(7.9);
+    assert_eq!(odd(&lifts), Some((1.75, -8.0)));
+    lifts.spec.joints[LOWER].limits.acceleration = Some(8.1);
+    assert_eq!(odd(&lifts), None);
 }

@@ -5,7 +5,6 @@
 #[allow(dead_code, reason = "shared with programs that need more of it")]
 mod programs;
 #[path = "../examples/common/robots.rs"]
-#[allow(dead_code, reason = "shared with programs that need more of it")]
 mod robots;
 
 use std::collections::BTreeMap;
@@ -40,11 +39,14 @@ fn recheck(trial: &Trial<'_>, plan: &PathPlan) -> PathReport {
 
 /// The programs of one robot: every plan holds, and at least `share` of them, in per cent, have one.
 fn check(robot: usize, share: u64) {
-    let robots = robots::all();
+    check_some(&robots::all(), robot, PROGRAMS, share);
+}
+
+fn check_some(robots: &[Example], robot: usize, programs: u64, share: u64) {
     let mut refused: BTreeMap<String, u64> = BTreeMap::new();
-    for program in 0..PROGRAMS {
+    for program in 0..programs {
         let seed = program * robots.len() as u64 + robot as u64;
-        let trial = programs::of_seed(&robots, seed, FINE);
+        let trial = programs::of_seed(robots, seed, FINE);
         let plan = match plan(trial.example, &trial.request) {
             Ok(plan) => plan,
             Err(reason) => {
@@ -61,11 +63,19 @@ fn check(robot: usize, share: u64) {
             report.faults
         );
     }
-    let plans = PROGRAMS - refused.values().sum::<u64>();
+    let plans = programs - refused.values().sum::<u64>();
     assert!(
-        100 * plans >= share * PROGRAMS,
-        "{plans} of {PROGRAMS} have a plan, refused {refused:?}"
+        100 * plans >= share * programs,
+        "{plans} of {programs} have a plan, refused {refused:?}"
     );
+}
+
+#[test]
+fn drives_that_rub_with_their_load_and_with_the_speed_squared_keep_every_limit() {
+    let robots = robots::all_with_rich_friction();
+    for robot in 0..robots.len() {
+        check_some(&robots, robot, 20, 50);
+    }
 }
 
 #[test]

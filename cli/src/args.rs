@@ -7,8 +7,9 @@ use takt_client::{Client, Transport};
 
 use crate::{
     commands::{
-        check::CheckArgs, completions::CompletionsArgs, dynamics::DynamicsArgs, health::HealthArgs, inverse::IkArgs,
-        plan::PlanCommand, pose::PoseArgs, robot::RobotCommand, serve::ServeArgs, setpoints::SetpointsArgs,
+        check::CheckArgs, completions::CompletionsArgs, drive::DriveCommand, dynamics::DynamicsArgs,
+        health::HealthArgs, inverse::IkArgs, plan::PlanCommand, pose::PoseArgs, rehearse::RehearseArgs,
+        robot::RobotCommand, serve::ServeArgs, setpoints::SetpointsArgs,
     },
     failure::Failure,
     numbers,
@@ -31,6 +32,9 @@ Examples:
   takt plan path ur5e examples/pick_and_place.yaml         a program of lines, arcs and joint moves
   takt setpoints ur5e --program seam.yaml --sample-period 4ms | to-the-controller
   takt check ur5e move.csv                                 margins of a trajectory made elsewhere
+  takt drive estimate ur5e telemetry.csv                   friction, from what the drives report
+  takt drive fit ur5e log.csv --test 20..30                friction, rotors and bodies, from a recording
+  takt rehearse ur5e --program seam.yaml --friction 1.5    a program on a simulated arm with more friction
 
 Exit codes:
   0  done
@@ -53,6 +57,9 @@ pub(crate) enum Command {
     #[command(subcommand)]
     Plan(PlanCommand),
     Check(Box<CheckArgs>),
+    #[command(subcommand)]
+    Drive(DriveCommand),
+    Rehearse(Box<RehearseArgs>),
     Dynamics(Box<DynamicsArgs>),
     Pose(PoseArgs),
     Ik(IkArgs),

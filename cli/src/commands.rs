@@ -3,12 +3,14 @@
 pub(crate) mod batch;
 pub(crate) mod check;
 pub(crate) mod completions;
+pub(crate) mod drive;
 pub(crate) mod dynamics;
 pub(crate) mod health;
 pub(crate) mod inverse;
 pub(crate) mod path;
 pub(crate) mod plan;
 pub(crate) mod pose;
+pub(crate) mod rehearse;
 pub(crate) mod robot;
 pub(crate) mod serve;
 pub(crate) mod setpoints;
@@ -40,6 +42,8 @@ pub(crate) fn run(cli: Cli, io: &mut Io) -> Result<u8, Failure> {
             Command::Robot(command) => robot::run(command, &connection.client()?, io).await,
             Command::Plan(command) => plan::run(command, &connection.client()?, io).await,
             Command::Check(args) => check::run(*args, &connection.client()?, io).await,
+            Command::Drive(command) => drive::run(command, &connection.client()?, io).await,
+            Command::Rehearse(args) => rehearse::run(*args, &connection.client()?, io).await,
             Command::Dynamics(args) => dynamics::run(*args, &connection.client()?, io).await,
             Command::Pose(args) => pose::run(args, &connection.client()?, io).await,
             Command::Ik(args) => inverse::run(args, &connection.client()?, io).await,

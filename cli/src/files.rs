@@ -60,6 +60,8 @@ pub(crate) fn message<T: DeserializeOwned>(name: &str, text: &str) -> Result<T, 
 
 fn wrong(name: &str, error: &str) -> Failure {
     let name = if name == "-" { "standard input" } else { name };
+    // the YAML reader calls every text by this name
+    let error = error.strip_prefix("error: ").unwrap_or(error).replace("<input>", name);
     Failure::usage(format!("{name}: {error}"))
 }
 
@@ -183,6 +185,7 @@ mod tests {
             text.contains("j.yaml") && text.contains("limit") && text.contains('2'),
             "{text}"
         );
+        assert!(!text.contains("<input>") && text.contains("j.yaml:2"), "{text}");
         assert!(joints("j.toml", "[[joint]]\nname = \"a\"\n").is_err());
         assert!(description("d.json", r#"{"urdff": ""}"#).is_err());
     }

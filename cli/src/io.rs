@@ -7,7 +7,7 @@ use crate::failure::Failure;
 /// The streams of a command.
 pub struct Io {
     /// Standard input.
-    pub input: Box<dyn Read>,
+    pub input: Box<dyn Read + Send>,
     /// Standard output: answers.
     pub output: Box<dyn Write>,
     /// Standard error: everything else.

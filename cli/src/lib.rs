@@ -8,8 +8,10 @@ mod commands;
 mod failure;
 mod files;
 mod io;
+mod log;
 mod numbers;
 mod render;
+mod telemetry;
 
 pub use crate::io::{Io, Terminal};
 

@@ -2,6 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
 
+#[path = "commands/drive.rs"]
+mod drive;
+
 use std::{
     ffi::OsString,
     io::{self, Cursor, Write},

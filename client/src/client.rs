@@ -11,7 +11,10 @@ use std::{
 
 use futures::{FutureExt, Stream, StreamExt, future::BoxFuture, stream};
 use http::Uri;
-use takt_proto::{id::RobotId, v1};
+use takt_proto::{
+    id::RobotId,
+    v1::{self, estimate_friction_request::Part},
+};
 use tokio::time::Instant;
 
 use crate::{
@@ -21,7 +24,7 @@ use crate::{
     grpc, http_json,
     retry::{self, RetryPolicy, Safety},
     rpc::{self, Rpc},
-    stream::{BatchAnswers, SetpointStream},
+    stream::{BatchAnswers, FrictionEstimates, Pieces, SetpointStream},
 };
 
 /// How long an endpoint that could not be reached is asked last instead of in its turn.
@@ -143,6 +146,11 @@ impl Client {
         forward_kinematics: ForwardKinematics, ForwardKinematicsRequest => ForwardKinematicsResponse;
         /// Every way to reach each of many poses, or the evidence why there is none.
         inverse_kinematics: InverseKinematics, InverseKinematicsRequest => InverseKinematicsResponse;
+        /// Fits drives and bodies to a recorded motion. A motion that does not say enough has an answer that says what is
+        /// missing.
+        fit_drive: FitDrive, FitDriveRequest => FitDriveResponse;
+        /// Runs a motion on a simulated arm whose friction is not the model's, with and without adaptation.
+        rehearse: Rehearse, RehearseRequest => RehearseResponse;
     }
 
     /// Set-points of a move or a program on the controller's cycle. Its header is here as soon as the plan is verified;
@@ -186,6 +194,47 @@ impl Client {
         robot_id: &str,
         requests: impl Stream<Item = v1::PlanBatchRequest> + Send + 'static,
     ) -> Result<BatchAnswers, Error> {
+        let id = robot_id.to_owned();
+        let requests = requests.map(move |mut request| {
+            id.clone_into(&mut request.robot_id);
+            request
+        });
+        let pieces = self.both_ways::<rpc::PlanBatch>(robot_id, requests).await?;
+        Ok(BatchAnswers::new(pieces, self.deadline))
+    }
+
+    /// Estimates friction from telemetry: the header goes first, then telemetry as the service takes it. Read the
+    /// estimates while it does, or both wait for each other. Never tried again; a stream that breaks off can be gone on
+    /// with from a state.
+    ///
+    /// # Errors
+    ///
+    /// See [`Error`].
+    pub async fn estimate_friction(
+        &self,
+        robot_id: &str,
+        header: v1::EstimateHeader,
+        telemetry: impl Stream<Item = v1::Telemetry> + Send + 'static,
+    ) -> Result<FrictionEstimates, Error> {
+        let first = v1::EstimateFrictionRequest {
+            robot_id: robot_id.to_owned(),
+            part: Some(Part::Header(header)),
+        };
+        let blocks = telemetry.map(|block| v1::EstimateFrictionRequest {
+            robot_id: String::new(),
+            part: Some(Part::Telemetry(block)),
+        });
+        let requests = stream::iter([first]).chain(blocks);
+        let pieces = self.both_ways::<rpc::EstimateFriction>(robot_id, requests).await?;
+        Ok(FrictionEstimates::new(pieces, self.deadline))
+    }
+
+    /// Begins a stream in both directions, once.
+    async fn both_ways<R: rpc::Streamed>(
+        &self,
+        robot_id: &str,
+        requests: impl Stream<Item = R::Request> + Send + 'static,
+    ) -> Result<Pieces<R::Response>, Error> {
         check_robot_id(robot_id)?;
         let shared = &self.shared;
         let requests = Mutex::new(Some(requests.boxed()));
@@ -195,24 +244,13 @@ impl Client {
             async move {
                 let requests = requests.ok_or_else(|| Error::refused("requests", "are sent once"))?;
                 let most = shared.max_reply_bytes;
-                let pieces = match shared.transport {
-                    Transport::Grpc => {
-                        let id = robot_id.to_owned();
-                        let requests = requests.map(move |mut request| {
-                            id.clone_into(&mut request.robot_id);
-                            request
-                        });
-                        grpc::open::<rpc::PlanBatch>(&shared.http2, &uri, requests, most).await?
-                    }
+                match shared.transport {
+                    Transport::Grpc => grpc::open::<R>(&shared.http2, &uri, requests, most).await,
                     Transport::Http => {
-                        let head = v1::PlanBatchRequest {
-                            robot_id: robot_id.to_owned(),
-                            ..Default::default()
-                        };
-                        http_json::open::<rpc::PlanBatch>(&shared.http1, &uri, &head, Some(requests), most).await?
+                        let bodies = requests.map(|request| R::body(&request)).boxed();
+                        http_json::open::<R>(&shared.http1, &uri, &R::about(robot_id), Some(bodies), most).await
                     }
-                };
-                Ok(BatchAnswers::new(pieces, self.deadline))
+                }
             }
             .boxed()
         };

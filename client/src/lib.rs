@@ -45,7 +45,8 @@
 //! - With several **endpoints**, calls start at each in turn and move on to the next when one cannot be reached or is
 //!   unavailable.
 //! - **Streams** have the deadline for their beginning and for each piece. A stream of set-points is tried again up to its
-//!   header; a piece that is missing, or an end before the last set-point, is an error and not an end.
+//!   header; a piece that is missing, or an end before the last set-point, is an error and not an end. Streams of requests are
+//!   sent once.
 //! - Every failure is one [`Error`], which tells four kinds apart: the request is wrong, the service could not, the
 //!   service could not be reached, the time was up. *Infeasible* is none of them: it is an answer.
 
@@ -67,5 +68,5 @@ pub use builder::{Builder, Transport};
 pub use client::Client;
 pub use error::{Code, Error, ErrorKind, FieldViolation};
 pub use retry::RetryPolicy;
-pub use stream::{BatchAnswers, SetpointStream};
+pub use stream::{BatchAnswers, FrictionEstimates, SetpointStream};
 pub use takt_proto::v1;

@@ -33,6 +33,12 @@ pub(crate) trait Rpc: 'static {
     }
 }
 
+/// A call that streams requests.
+pub(crate) trait Streamed: Rpc {
+    /// A request that says which robot it is about, and nothing else.
+    fn about(robot_id: &str) -> Self::Request;
+}
+
 /// Fields of a request by name; absent ones are left out.
 type Query = Vec<(&'static str, Option<String>)>;
 
@@ -116,11 +122,29 @@ macro_rules! about_a_robot {
 about_a_robot!(PlanMove, PlanMoveRequest => PlanMoveResponse);
 about_a_robot!(PlanPath, PlanPathRequest => PlanPathResponse);
 about_a_robot!(PlanBatch, PlanBatchRequest => PlanBatchResponse);
+about_a_robot!(EstimateFriction, EstimateFrictionRequest => EstimateFrictionResponse);
+about_a_robot!(FitDrive, FitDriveRequest => FitDriveResponse);
+about_a_robot!(Rehearse, RehearseRequest => RehearseResponse);
 about_a_robot!(StreamSetpoints, StreamSetpointsRequest => StreamSetpointsResponse);
 about_a_robot!(CheckTrajectory, CheckTrajectoryRequest => CheckTrajectoryResponse);
 about_a_robot!(InverseDynamics, InverseDynamicsRequest => InverseDynamicsResponse);
 about_a_robot!(ForwardKinematics, ForwardKinematicsRequest => ForwardKinematicsResponse);
 about_a_robot!(InverseKinematics, InverseKinematicsRequest => InverseKinematicsResponse);
+
+macro_rules! streamed {
+    ($($name:ident)*) => {
+        $(impl Streamed for $name {
+            fn about(robot_id: &str) -> Self::Request {
+                Self::Request {
+                    robot_id: robot_id.to_owned(),
+                    ..Default::default()
+                }
+            }
+        })*
+    };
+}
+
+streamed!(PlanBatch EstimateFriction);
 
 about_a_robot!(RegisterRobot, RegisterRobotRequest => RegisterRobotResponse,
     /// The same content is the same revision, so a repetition changes nothing; but with an expected revision it would

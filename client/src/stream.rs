@@ -231,6 +231,47 @@ impl BatchAnswers {
     }
 }
 
+/// Estimates of friction, as they arrive.
+pub struct FrictionEstimates {
+    pieces: Pieces<v1::EstimateFrictionResponse>,
+    deadline: Duration,
+    is_complete: bool,
+}
+
+impl std::fmt::Debug for FrictionEstimates {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("FrictionEstimates")
+            .field("is_complete", &self.is_complete)
+            .finish_non_exhaustive()
+    }
+}
+
+impl FrictionEstimates {
+    pub(crate) fn new(pieces: Pieces<v1::EstimateFrictionResponse>, deadline: Duration) -> Self {
+        Self {
+            pieces,
+            deadline,
+            is_complete: false,
+        }
+    }
+
+    /// The next estimate; `None` after the last one, which has the state to go on from.
+    ///
+    /// # Errors
+    ///
+    /// See [`Error`]. What ends the stream early is an error after the last estimate.
+    pub async fn next(&mut self) -> Result<Option<v1::EstimateFrictionResponse>, Error> {
+        match self.pieces.next(self.deadline).await? {
+            Some(estimate) => {
+                self.is_complete = estimate.last;
+                Ok(Some(estimate))
+            }
+            None if self.is_complete => Ok(None),
+            None => Err(broken_off()),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

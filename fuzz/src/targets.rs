@@ -8,6 +8,10 @@ use serde::{Serialize, de::DeserializeOwned};
 use takt_motion::{
     Invalid,
     budget::Budget,
+    drive::{
+        estimate::{FrictionEstimator, UpdateError},
+        rehearse,
+    },
     dynamics::{self, Workspace},
     kinematics::{self, inverse::Inverse},
     path::{self, outcome::PathOutcome},
@@ -204,6 +208,107 @@ pub fn inverse_kinematics(bytes: &[u8]) {
         for pose in poses.targets.iter().take(1) {
             let found = inverse.solutions(pose, poses.reference.as_deref(), poses.turns);
             black_box(convert::dynamics::solutions_result(found));
+        }
+    }
+}
+
+/// A message of a stream of telemetry: what is asked for, or what drives report.
+pub fn estimate_friction(bytes: &[u8]) {
+    use v1::estimate_friction_request::Part;
+    for request in decoded::<v1::EstimateFrictionRequest>(bytes) {
+        match request.part {
+            Some(Part::Header(header)) => {
+                if let Some(mut estimator) = estimator(&header) {
+                    estimate(&mut estimator, &REPORTED);
+                }
+            }
+            Some(Part::Telemetry(block)) if block.time_s.len() <= ENTRIES => {
+                for method in [1, 3] {
+                    let header = v1::EstimateHeader {
+                        method: Some(method),
+                        ..Default::default()
+                    };
+                    if let Some(mut estimator) = estimator(&header) {
+                        estimate(&mut estimator, &block);
+                        estimate(&mut estimator, &REPORTED);
+                    }
+                }
+            }
+            Some(Part::Telemetry(_)) | None => {}
+        }
+    }
+}
+
+/// What the drives of the arm report for a while.
+static REPORTED: LazyLock<v1::Telemetry> = LazyLock::new(|| {
+    let times = (0..ENTRIES as u32).map(|index| f64::from(index) * 0.01);
+    let joints = (0..ARM.joint_count()).map(|_| v1::TelemetryColumns {
+        position: times.clone().map(|time| 0.1 * (3.0 * time).sin()).collect(),
+        torque: times.clone().map(|time| (3.0 * time).cos()).collect(),
+        ..Default::default()
+    });
+    v1::Telemetry {
+        joints: joints.collect(),
+        time_s: times.clone().collect(),
+    }
+});
+
+/// The estimator that a header asks for.
+fn estimator(header: &v1::EstimateHeader) -> Option<FrictionEstimator> {
+    let mut findings = Findings::default();
+    let options = convert::drive::options(header, Path::Root, Some(ARM.spec()), &mut findings);
+    findings.finish(()).map_err(|errors| assert_named(&errors)).ok()?;
+    let made = match &header.state {
+        Some(state) => FrictionEstimator::resume(ARM.clone(), options, &convert::drive::state(state)),
+        None => FrictionEstimator::new(ARM.clone(), options),
+    };
+    let named = |errors: Vec<Invalid>| {
+        let errors = errors.into_iter();
+        let errors = errors.map(|error| convert::drive::finding_on_header(error, header, ARM.spec()));
+        assert_named(&errors.collect::<Vec<_>>());
+    };
+    made.map_err(named).ok()
+}
+
+/// Takes in a block, and says what is known then.
+fn estimate(estimator: &mut FrictionEstimator, block: &v1::Telemetry) {
+    let mut findings = Findings::default();
+    let read = convert::drive::telemetry(block, Path::Root.field("telemetry"), ARM.spec(), &mut findings);
+    if findings.finish(()).map_err(|errors| assert_named(&errors)).is_err() {
+        return;
+    }
+    match bounded(|budget| estimator.update(&read, budget)) {
+        Ok(()) | Err(UpdateError::Stopped) => {}
+        Err(UpdateError::Invalid(errors)) => {
+            let errors = errors.into_iter().map(convert::drive::finding_on_telemetry);
+            assert_named(&errors.collect::<Vec<_>>());
+        }
+    }
+    black_box(convert::drive::estimate_to_wire(&estimator.report(), ARM.spec()));
+    black_box(convert::drive::state_to_wire(estimator.state()));
+}
+
+/// A rehearsal.
+pub fn rehearse(bytes: &[u8]) {
+    for request in decoded::<v1::RehearseRequest>(bytes) {
+        let mut findings = Findings::default();
+        let wire = request.clone();
+        let read = convert::rehearse::rehearsal_request(request, Some(ARM.spec()), &mut findings);
+        let is_right = findings.is_empty();
+        assert_named(&findings.into_list());
+        let Some(read) = read.filter(|_| is_right) else {
+            continue;
+        };
+        match bounded(|budget| rehearse::rehearse(&ARM, &read, budget)) {
+            Ok(outcome) => {
+                black_box(convert::rehearse::outcome_to_wire(outcome, ARM.spec()));
+            }
+            Err(plan::Failure::Stopped) => {}
+            Err(plan::Failure::Invalid(errors)) => {
+                let errors = errors.into_iter();
+                let errors = errors.map(|error| convert::rehearse::finding_on_request(error, &wire, ARM.spec()));
+                assert_named(&errors.collect::<Vec<_>>());
+            }
         }
     }
 }

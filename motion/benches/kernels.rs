@@ -68,6 +68,8 @@ fn read(arm: &str) -> Robot {
         tcp: None,
         frames: Vec::new(),
         use_urdf_dynamics: false,
+        link_inertia: Vec::new(),
+        uncertainty: None,
     };
     let resolved = description.resolve().expect("the arm is sound");
     Robot::new(resolved.spec, resolved.warnings).expect("the arm is sound")

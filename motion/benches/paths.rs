@@ -90,6 +90,8 @@ fn ur5e() -> Robot {
         tcp: None,
         frames: Vec::new(),
         use_urdf_dynamics: false,
+        link_inertia: Vec::new(),
+        uncertainty: None,
     };
     let resolved = description.resolve().expect("the description is sound");
     Robot::new(resolved.spec, resolved.warnings).expect("the arm is sound")

@@ -1,13 +1,14 @@
 //! What the timing of a path takes, µs: median and fastest of many, one line each.
 //!
 //! ```text
-//! cargo bench --package takt-motion --bench timing
+//! cargo bench --package takt-motion --bench timing [-- --paths FOLDER]
 //! ```
 //!
 //! Paths are polynomials of degree 5 of every joint, limits the arm's own of speed and torque. `interpolated` is what
 //! toppra does with constraints at both ends of each interval: constraints, passes and duration, nothing looked at in
-//! between. `certified` is what a plan has: a coarse grid, a graded one, and the certificate. `jerk_limited` is that under
-//! limits of acceleration and jerk too.
+//! between; its value is the sum of the durations, s. `certified` is what a plan has: a coarse grid, a graded one, and the certificate. `jerk_limited` is that under
+//! limits of acceleration and jerk too. With a folder, each arm's limits and paths are written there as
+//! `docs/performance/toppra.cpp` reads them, and nothing is timed.
 
 #![allow(clippy::print_stdout, reason = "a program that prints a table")]
 
@@ -26,9 +27,16 @@ const PATHS: usize = 20;
 const REPEATS: usize = 12;
 
 fn main() {
+    let folder = std::env::args().skip_while(|argument| argument != "--paths").nth(1);
     for arm in ["ur5e", "fr3"] {
         let robot = read(arm);
-        let paths = paths(&robot);
+        let coefficients = paths(&robot);
+        if let Some(folder) = &folder {
+            let file = Path::new(folder).join(format!("{arm}.paths"));
+            std::fs::write(file, described(&robot, &coefficients)).expect("the folder can be written to");
+            continue;
+        }
+        let paths: Vec<_> = coefficients.into_iter().map(polynomials).collect();
         for intervals in [200, 500] {
             measure(&format!("{arm}/jerk_limited_{intervals}"), &paths, |path| {
                 jerk_limited(&robot, path, intervals)
@@ -38,6 +46,8 @@ fn main() {
             measure(&format!("{arm}/interpolated_{intervals}"), &paths, |path| {
                 interpolated(&robot, path, intervals)
             });
+            let durations = paths.iter().filter_map(|path| interpolated(&robot, path, intervals));
+            println!("{arm}/interpolated_{intervals}/value {:.9} 0", durations.sum::<f64>());
             measure(&format!("{arm}/certified_{intervals}"), &paths, |path| {
                 certified(&robot, path, intervals)
             });
@@ -45,8 +55,32 @@ fn main() {
     }
 }
 
+/// Coefficients of one path by joint, lowest power first.
+type Coefficients = Vec<Vec<f64>>;
+
+fn polynomials(coefficients: Coefficients) -> Polynomials {
+    Polynomials::new(coefficients, 1.0)
+}
+
+/// Number of joints, limits of speed, limits of torque, and the coefficients of each path.
+fn described(robot: &Robot, paths: &[Coefficients]) -> String {
+    let joints = &robot.spec().joints;
+    let row = |numbers: Vec<f64>| {
+        let numbers: Vec<String> = numbers.iter().map(|number| format!("{number:?}")).collect();
+        numbers.join(" ") + "\n"
+    };
+    let limit = |limit: Option<f64>| limit.expect("the arm has the limit");
+    let mut text = format!("{}\n", joints.len());
+    text += &row(joints.iter().map(|joint| limit(joint.limits.velocity)).collect());
+    text += &row(joints.iter().map(|joint| limit(joint.drive.peak_torque)).collect());
+    for coefficients in paths.iter().flatten() {
+        text += &row(coefficients.clone());
+    }
+    text
+}
+
 /// Paths around the middle of the joints' ranges that can be timed.
-fn paths(robot: &Robot) -> Vec<Polynomials> {
+fn paths(robot: &Robot) -> Vec<Coefficients> {
     let mut draw = Draw(3);
     let middle = |joint: usize| {
         let limits = &robot.spec().joints[joint].limits;
@@ -60,9 +94,9 @@ fn paths(robot: &Robot) -> Vec<Polynomials> {
             coefficients.extend((0..5).map(|_| draw.between(-2.0, 2.0)));
             coefficients
         };
-        Polynomials::new((0..robot.joint_count()).map(joint).collect(), 1.0)
+        (0..robot.joint_count()).map(joint).collect()
     };
-    let timed = |path: &Polynomials| certified(robot, path, 100).is_some();
+    let timed = |path: &Coefficients| certified(robot, &polynomials(path.clone()), 100).is_some();
     std::iter::repeat_with(&mut path).filter(timed).take(PATHS).collect()
 }
 
@@ -101,6 +135,8 @@ fn read(arm: &str) -> Robot {
         tcp: None,
         frames: Vec::new(),
         use_urdf_dynamics: false,
+        link_inertia: Vec::new(),
+        uncertainty: None,
     };
     let resolved = description.resolve().expect("the arm is sound");
     Robot::new(resolved.spec, resolved.warnings).expect("the arm is sound")

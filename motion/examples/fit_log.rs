@@ -145,6 +145,8 @@ impl Options {
             tcp: None,
             frames: Vec::new(),
             use_urdf_dynamics: false,
+            link_inertia: Vec::new(),
+            uncertainty: None,
         };
         let mut resolved = description.resolve().map_err(|faults| format!("{faults:?}"))?;
         for (joint, of) in resolved.spec.joints.iter_mut().enumerate() {

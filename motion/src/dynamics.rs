@@ -3,7 +3,7 @@
 //! ```text
 //! τ = M(q)·q̈ + C(q, q̇)·q̇ + g(q)    rigid bodies, payload included
 //!   + ξ²·I_m·q̈                      rotors, seen through the gears
-//!   + friction(q̇)                   viscous and Coulomb
+//!   + F(q, q̇)                       friction: viscous, quadratic, Coulomb, and of the load that gravity is
 //! ```
 //!
 //! τ is the torque (force, for a prismatic joint) that the drives must give, N m (N); q is in rad (m). Every function
@@ -27,7 +27,7 @@ pub struct Workspace {
     links: Vec<LinkWrench<f64>>,
     composites: Vec<Composite>,
     zeros: Vec<f64>,
-    unused: Vec<f64>,
+    gravity: Vec<f64>,
     matrix: Vec<f64>,
 }
 
@@ -40,7 +40,7 @@ impl Workspace {
             links: vec![LinkWrench::zero(0.0); count],
             composites: vec![Composite::zero(); count],
             zeros: vec![0.0; count],
-            unused: vec![0.0; count],
+            gravity: vec![0.0; count],
             matrix: vec![0.0; count * count],
         }
     }
@@ -64,7 +64,7 @@ pub fn rigid_torque(robot: &Robot, workspace: &mut Workspace, q: &[f64], qd: &[f
         qdd,
         &mut workspace.links,
         torque,
-        &mut workspace.unused,
+        &mut workspace.gravity,
     );
 }
 
@@ -72,9 +72,9 @@ pub fn rigid_torque(robot: &Robot, workspace: &mut Workspace, q: &[f64], qd: &[f
 pub fn gravity_torque(robot: &Robot, workspace: &mut Workspace, q: &[f64], torque: &mut [f64]) {
     check_lengths(robot, &[q, torque]);
     let Workspace {
-        links, zeros, unused, ..
+        links, zeros, gravity, ..
     } = workspace;
-    rnea::rnea::<f64, false>(robot.chain(), q, zeros, zeros, links, torque, unused);
+    rnea::rnea::<f64, false>(robot.chain(), q, zeros, zeros, links, torque, gravity);
 }
 
 /// Torque that the rotors take: ξ²·I_m·q̈.
@@ -86,20 +86,44 @@ pub fn rotor_torque(robot: &Robot, qdd: &[f64], torque: &mut [f64]) {
 }
 
 /// Torque that friction takes; none at standstill.
-pub fn friction_torque(robot: &Robot, qd: &[f64], torque: &mut [f64]) {
-    check_lengths(robot, &[qd, torque]);
+pub fn friction_torque(robot: &Robot, workspace: &mut Workspace, q: &[f64], qd: &[f64], torque: &mut [f64]) {
+    check_lengths(robot, &[q, qd, torque]);
+    // what gravity asks is in the place of the result, until that replaces it
+    torque.fill(0.0);
+    if robot.is_loaded() {
+        gravity_torque(robot, workspace, q, torque);
+    }
     for ((torque, drive), &qd) in torque.iter_mut().zip(robot.drives()).zip(qd) {
-        *torque = drive.friction(qd);
+        *torque = drive.friction(qd, *torque);
     }
 }
 
 /// The whole torque that the drives must give: rigid bodies, rotors and friction.
 pub fn drive_torque(robot: &Robot, workspace: &mut Workspace, q: &[f64], qd: &[f64], qdd: &[f64], torque: &mut [f64]) {
-    rigid_torque(robot, workspace, q, qd, qdd, torque);
-    let rates = qd.iter().zip(qdd);
-    for ((torque, drive), (&qd, &qdd)) in torque.iter_mut().zip(robot.drives()).zip(rates) {
-        *torque += drive.armature * qdd + drive.friction(qd);
+    check_lengths(robot, &[q, qd, qdd, torque]);
+    let Workspace { links, gravity, .. } = workspace;
+    rigid_torque_and_load(robot, links, q, qd, qdd, torque, gravity);
+    let rates = qd.iter().zip(qdd).zip(gravity.iter());
+    for ((torque, drive), ((&qd, &qdd), &gravity)) in torque.iter_mut().zip(robot.drives()).zip(rates) {
+        *torque += drive.armature * qdd + drive.friction(qd, gravity);
     }
+}
+
+/// Torque of the rigid bodies, and gravity's part of it where some drive's friction depends on that; else zeros.
+fn rigid_torque_and_load(
+    robot: &Robot,
+    links: &mut [LinkWrench<f64>],
+    q: &[f64],
+    qd: &[f64],
+    qdd: &[f64],
+    torque: &mut [f64],
+    gravity: &mut [f64],
+) {
+    if robot.is_loaded() {
+        return rnea::rnea::<f64, true>(robot.chain(), q, qd, qdd, links, torque, gravity);
+    }
+    gravity.fill(0.0);
+    rnea::rnea::<f64, false>(robot.chain(), q, qd, qdd, links, torque, gravity);
 }
 
 /// Mass matrix of the rigid bodies, n × n, row by row; the rotors are not in it.
@@ -125,13 +149,13 @@ pub fn forward_dynamics(
         links,
         composites,
         zeros,
-        unused,
+        gravity,
         matrix,
     } = workspace;
     let count = q.len();
-    rnea::rnea::<f64, false>(robot.chain(), q, qd, zeros, links, acceleration, unused);
+    rigid_torque_and_load(robot, links, q, qd, zeros, acceleration, gravity);
     for (i, drive) in robot.drives().iter().enumerate() {
-        acceleration[i] = torque[i] - acceleration[i] - drive.friction(qd[i]);
+        acceleration[i] = torque[i] - acceleration[i] - drive.friction(qd[i], gravity[i]);
     }
     composite::mass_matrix(robot.chain(), q, composites, matrix);
     for (i, drive) in robot.drives().iter().enumerate() {

@@ -26,6 +26,7 @@
 #![warn(missing_docs)]
 
 pub mod budget;
+pub mod confidence;
 mod curve;
 pub mod drive;
 pub mod dynamics;
@@ -50,5 +51,5 @@ pub use nalgebra;
 pub use timing::measured;
 pub use tolerance::{
     BEZIER_POINTS_MAX, DURATION_MAX, POSITION_MAX, SEGMENTS_MAX, SETPOINTS_MAX, SPLINE_POINTS_MAX, TARGETS_MAX,
-    TRAJECTORY_POINTS_MAX, TRAVEL_MAX,
+    TELEMETRY_SAMPLES_MAX, TRAJECTORY_POINTS_MAX, TRAVEL_MAX,
 };

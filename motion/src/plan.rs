@@ -21,6 +21,7 @@ use crate::tolerance::{DURATION_MAX, SETPOINTS_MAX, VERIFY_RESERVE};
 use crate::trajectory;
 use crate::verify::{Verification, Verifier};
 pub use check::check_trajectory;
+pub(crate) use check::read_trajectory;
 use outcome::{Fallback, Infeasible, MoveOutcome, MovePlan, Pattern};
 use problem::Problem;
 use request::{Method, MoveRequest, Sampling};
@@ -41,7 +42,7 @@ impl From<Stopped> for Failure {
 }
 
 impl Failure {
-    fn invalid(path: &str, message: String) -> Self {
+    pub(crate) fn invalid(path: &str, message: String) -> Self {
         Self::Invalid(vec![Invalid::new(path, message)])
     }
 }

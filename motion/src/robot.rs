@@ -15,8 +15,9 @@ pub mod urdf_writer;
 
 use std::sync::Arc;
 
+use crate::confidence::Factor;
 use crate::dynamics::chain::Chain;
-use crate::dynamics::drive::DriveTerms;
+use crate::dynamics::drive::{DriveTerms, any_loaded};
 use crate::error::Invalid;
 pub use preset::Preset;
 use spec::{Inertial, RobotSpec};
@@ -40,14 +41,19 @@ struct Model {
     warnings: Vec<String>,
     bare: Chain,
     drives: Vec<DriveTerms>,
+    /// Some drive's friction depends on its gravity torque.
+    is_loaded: bool,
     presets: Vec<Option<Preset>>,
+    /// `None`: its parameters are taken as exact.
+    factor: Option<Factor>,
 }
 
 impl Robot {
     /// Makes a robot of a description. `warnings` are what its reader found odd; they stay with the robot.
     ///
     /// # Errors
-    /// Where nothing can be computed: no joint, more than [`JOINTS_MAX`], or a mass matrix that is singular.
+    /// Where nothing can be computed: no joint, more than [`JOINTS_MAX`], a mass matrix that is singular, or an uncertainty
+    /// that is none.
     pub fn new(spec: RobotSpec, mut warnings: Vec<String>) -> Result<Self, Vec<Invalid>> {
         let count = spec.joints.len();
         if count == 0 {
@@ -57,6 +63,7 @@ impl Robot {
             let message = format!("the chain has {count} moving joints, the most is {JOINTS_MAX}");
             return Err(vec![Invalid::new("", message)]);
         }
+        let factor = Factor::new(&spec)?;
         let bare = Chain::new(&spec);
         let drives: Vec<DriveTerms> = spec.joints.iter().map(|joint| DriveTerms::new(&joint.drive)).collect();
         let payload = spec.payload.on_last_link(&spec);
@@ -67,8 +74,10 @@ impl Robot {
             spec,
             warnings,
             bare,
+            is_loaded: any_loaded(&drives),
             drives,
             presets,
+            factor,
         };
         Ok(Self {
             model: Arc::new(model),
@@ -122,8 +131,17 @@ impl Robot {
         &self.chain
     }
 
+    pub(crate) fn factor(&self) -> Option<&Factor> {
+        self.model.factor.as_ref()
+    }
+
     pub(crate) fn drives(&self) -> &[DriveTerms] {
         &self.model.drives
+    }
+
+    /// Whether some drive's friction depends on what gravity asks of it.
+    pub(crate) fn is_loaded(&self) -> bool {
+        self.model.is_loaded
     }
 }
 

@@ -96,6 +96,21 @@ pub(crate) fn random_arm(count: usize, seed: u64) -> RobotSpec {
     spec
 }
 
+/// The same arm with drives that rub in proportion to their load, to 9 %, and to the speed squared, to 3 % of the torque at
+/// full speed.
+pub(crate) fn loaded(mut spec: RobotSpec) -> RobotSpec {
+    for joint in &mut spec.joints {
+        let drive = &mut joint.drive;
+        let (torque, speed) = (drive.peak_torque.unwrap(), joint.limits.velocity.unwrap());
+        let ratio = drive.gear_ratio.abs();
+        drive.motor_friction.load_coulomb = 0.05;
+        drive.joint_friction.load_coulomb = 0.04;
+        drive.motor_friction.quadratic = 0.01 * torque / (speed * speed * ratio * ratio * ratio);
+        drive.joint_friction.quadratic = 0.02 * torque / (speed * speed);
+    }
+    spec
+}
+
 pub(crate) fn robot(spec: RobotSpec) -> Robot {
     Robot::new(spec, Vec::new()).unwrap()
 }

@@ -86,12 +86,16 @@ pub(crate) const GRID_NODES_APART: f64 = 1.0e-12;
 /// Largest squared path velocity that is planned where nothing bounds it, 1/s².
 pub(crate) const PATH_SPEED_SQUARED_MAX: f64 = 1.0e12;
 
-/// Largest ratio of squared path velocities within a panel of the integral for time: with it Gauss and Legendre's six
-/// points leave a relative error below 1e-11. Pinned by `durations_are_those_of_closed_forms`.
-pub(crate) const LAW_PANEL_RATIO: f64 = 2.0;
+/// How far from the middle of a panel of the integral for time the squared path velocity has no root, in half widths: Gauss
+/// and Legendre's six points then leave a relative error below 1e-11. Pinned by `durations_are_those_of_closed_forms` and
+/// `a_dip_of_the_speed_within_a_piece_takes_its_time`.
+pub(crate) const LAW_PANEL_CLEAR: f64 = 3.5;
 
-/// Most panels of one piece: what varies more than 2⁶⁴-fold within a piece is not resolved.
-pub(crate) const LAW_PANELS_MAX: usize = 64;
+/// Shortest panel, as part of its piece: a dip of the speed that is narrower is rest.
+pub(crate) const LAW_PANEL_LEAST: f64 = 1.0e-6;
+
+/// Most panels of one piece: a dip as narrow as that takes some hundred.
+pub(crate) const LAW_PANELS_MAX: usize = 512;
 
 /// Rounds of Newton's method from a time to a place; two or three do, bisection alone would take fifty.
 pub(crate) const LAW_INVERSE_ROUNDS: usize = 60;
@@ -543,6 +547,221 @@ pub(crate) const BUDGET_STRIDE: usize = 64;
 pub(crate) const FINER_GRIDS: usize = 2;
 /// How far a sample's time may be from a stop to be the stop's, as part of the duration: some roundings of both.
 pub(crate) const SAMPLE_AT_STOP: f64 = 1.0e-13;
+/// Halvings of a bracket of the first maximum of a stiffness polynomial: from Cauchy's bound, which unequal coefficients make
+/// large, down to rounding.
+pub(crate) const TRANSMISSION_BISECTIONS: usize = 200;
+
+/// Rounds of Newton's method from a torque to a deformation; four do, doubling and halving take the rest where it is flat.
+pub(crate) const TRANSMISSION_ROUNDS: usize = 200;
+
+/// A deformation is found when Newton's step is this part of it: some units in the last place.
+pub(crate) const TRANSMISSION_ROUNDING: f64 = 1.0e-15;
+
+/// How far a contact gives way before it slides where the model has no presliding stiffness, rad or m: friction with corners
+/// has no solution that an integrator finds. It is below what an encoder at the joint resolves; the dry friction is off by more than
+/// 1 % over 4.6 times that way after each turn.
+pub(crate) const PRESLIDING_DEFAULT: f64 = 1.0e-4;
+
+/// Part of the dry friction that may be missing from full sliding and counts as full: rounding.
+pub(crate) const PRESLIDING_SETTLED: f64 = 1.0e-14;
+
+/// A derivative jumps between two pieces of a motion if it changes by more than this part of its largest value: below it is
+/// the rounding of decimal points. The same part of a period separates a sample from a jump.
+pub(crate) const SMOOTH_JUMP: f64 = 1.0e-6;
+
+/// Bandwidth of the joint controller, as part of the frequency at which the arm swings against a held motor: there, motor and arm
+/// still move together to within 1/(1 − 1/9), an eighth.
+pub(crate) const GAIN_RESONANCE: f64 = 1.0 / 3.0;
+
+/// Periods in one over the bandwidth: the delay of one and a half of them costs 4° of phase.
+pub(crate) const GAIN_SAMPLING: f64 = 20.0;
+
+/// Damping ratio of the joint controller: the least that has next to no overshoot.
+pub(crate) const GAIN_DAMPING: f64 = 0.7;
+
+/// Largest K_d·T over the rotor's inertia: from 1 on, a speed that is known a period late drives the rotor alone unstable.
+pub(crate) const GAIN_ROTOR: f64 = 0.25;
+
+/// Largest torque-error gain: the rotor feels half as heavy.
+pub(crate) const GAIN_TORQUE: f64 = 1.0;
+
+/// Part of K_d that the torque error's delay may take.
+pub(crate) const GAIN_TORQUE_DAMPING: f64 = 0.3;
+
+/// Cut-off of the measured speed over the bandwidth: 6° of phase.
+pub(crate) const GAIN_FILTER: f64 = 10.0;
+
+/// Error of a position that the simulated arm may make in one step of its integrator, rad or m: far below what the distance of nodes
+/// costs, and hardly dearer than 1e-8, since transmissions and nodes shorten the steps anyway.
+/// Gravity torque that counts as none where a load passes zero, as part of the largest on the way: a kink of friction that
+/// is missed there is as small, a thousandth of [`VERIFY_RESERVE`].
+pub(crate) const KINK_FLOOR: f64 = 1.0e-9;
+
+/// Part of a stretch that separates two kinks, or one from its end: closer, what is between them takes less than the floor.
+pub(crate) const KINK_APART: f64 = 1.0e-9;
+
+/// Steps of the regula falsi on a zero of the load; from samples that resolve it, six to ten do. What is reached then is taken.
+pub(crate) const KINK_ROUNDS: usize = 40;
+
+/// Parabolas that follow a load that dips towards zero between samples, before it is taken not to reach it.
+pub(crate) const KINK_DIP_ROUNDS: usize = 6;
+/// Path speed that is rest at an end of a path, as part of the mean speed: the root of a place's rounding.
+pub(crate) const PATH_AT_REST: f64 = 1.0e-6;
+
+/// How far inside a path, as part of its length, its derivative says in which direction a joint sets out or arrives. Where
+/// q′ is zero at the end itself, what is there is rounding; this far inside, q″ shows through it. A joint that turns back
+/// nearer to the end moves by the square of this before it does: 1e-12 rad, at which it counts as standing.
+pub(crate) const PATH_DEPARTURE: f64 = 1.0e-6;
+
+/// How much larger than stated a use of a limit on a path may be between samples, as part of the limit: a fifth of the 1e-6
+/// that no drive and no sensor sees. The search for it ends there.
+pub(crate) const EXTREME_GAIN: f64 = 2.0e-7;
+
+/// Most values that the search for one limit's maximum takes on a path: twenty do on average; a limit that is just used all
+/// along the path takes one or two an interval.
+pub(crate) const EXTREME_STEPS: usize = 8192;
+
+/// Moments of a path closer than this part of its duration are one, when intervals are formed that nothing jumps within: a
+/// place is passed at a time that is known to some 1e-15, and near a stop to the root of a rounding.
+pub(crate) const BREAKS_APART: f64 = 1.0e-10;
+/// Error of a position that the simulated arm may make in one step of its integrator, rad or m. Chosen by measurement: against an independent
+/// integrator the positions of a swinging arm are off by less than 1e-7 after half a second (test in `drive/plant/tests.rs`); a tenth
+/// of it costs a fifth more time.
+pub(crate) const PLANT_POSITION: f64 = 1.0e-9;
+
+/// The same of a speed, rad/s or m/s: as much at 100 rad/s, the frequency of a slow transmission.
+pub(crate) const PLANT_VELOCITY: f64 = 1.0e-7;
+
+/// First step of the simulated arm's integrator, s; it finds its own.
+pub(crate) const PLANT_STEP_FIRST: f64 = 1.0e-4;
+
+/// Part of the step's length that would just be good enough that is tried.
+pub(crate) const PLANT_STEP_FACTOR: f64 = 0.9;
+
+/// How much shorter the next step may be.
+pub(crate) const PLANT_STEP_SHRINK: f64 = 0.25;
+
+/// How much longer.
+pub(crate) const PLANT_STEP_GROWTH: f64 = 4.0;
+
+/// Most steps of the integrator in one step of the controller: at 1 kHz, a transmission of some hundred kHz. Stiffer ones are rigid.
+pub(crate) const PLANT_STEPS_MAX: usize = 2_000;
+
+/// Way back and forth within a step in which a joint turns round, as part of the presliding way. On the way back dry friction
+/// is taken for what it was on the way out until the step ends, which is off by twice this part of it.
+pub(crate) const PLANT_TURN_WAY: f64 = 1.0e-4;
+
+/// Steps of the simulated arm's integrator between two looks at the budget: of 32 joints, 1 ms.
+pub(crate) const PLANT_STRIDE: usize = 16;
+
+/// How far a joint of the simulated arm may be from where the plan has it, rad or m: beyond, nothing is worth simulating.
+pub(crate) const REHEARSAL_DIVERGED: f64 = 10.0;
+
+/// Shortest period of a rehearsed controller, s: ten times as fast as any drive's current loop.
+pub(crate) const REHEARSAL_PERIOD_MIN: f64 = 1.0e-6;
+
+/// Longest period of a rehearsed controller, s: slower than any arm's.
+pub(crate) const REHEARSAL_PERIOD_MAX: f64 = 0.1;
+
+/// Largest scale of friction against the model's.
+pub(crate) const FRICTION_SCALE_MAX: f64 = 1.0e3;
+
+/// Poses of a motion at which the arm's inertia is looked at for gains: it varies slowly.
+pub(crate) const GAIN_POSES: usize = 64;
+
+/// Most wrenches of a rehearsal: each is looked at in every step.
+pub(crate) const WRENCHES_MAX: usize = 100;
+
+/// Most samples of one block of telemetry: ten seconds at 1 kHz, a hundred times what a stream sends at once.
+pub const TELEMETRY_SAMPLES_MAX: usize = 10_000;
+
+/// Largest speed in telemetry, rad/s or m/s: beyond it a reading is broken, not fast.
+pub(crate) const TELEMETRY_VELOCITY_MAX: f64 = 1.0e3;
+
+/// Largest acceleration in telemetry, rad/s² or m/s².
+pub(crate) const TELEMETRY_ACCELERATION_MAX: f64 = 1.0e6;
+
+/// Largest torque in telemetry at the joint, N m or N.
+pub(crate) const TELEMETRY_TORQUE_MAX: f64 = 1.0e7;
+
+/// Largest time of a sample, s: three hundred years on any clock. One sample beyond would make all others late.
+pub(crate) const TELEMETRY_TIME_MAX: f64 = 1.0e10;
+
+/// What times between samples are whole multiples of, s: 60 ns, a twentieth of what a drive's clock resolves, and 6e-5 of a
+/// millisecond at most. A power of two, so that multiples are exact.
+pub(crate) const TELEMETRY_STEP_GRID: f64 = 1.0 / 16_777_216.0;
+
+/// Shortest time between two samples, s: below it differences of positions are rounding.
+pub(crate) const TELEMETRY_STEP_MIN: f64 = 1.0e-6;
+
+/// Samples that an estimator takes in between two looks at the budget: some microseconds each at 32 joints.
+pub(crate) const TELEMETRY_BUDGET_STRIDE: usize = 256;
+
+/// Smallest λ: a memory of two samples, fewer than a law has coefficients.
+pub(crate) const ESTIMATE_LAMBDA_MIN: f64 = 0.5;
+
+/// Bandwidth of the estimator's filter, Hz: below, its delay is a minute; above, it filters nothing at any drive's sample time.
+pub(crate) const ESTIMATE_BANDWIDTH_MIN: f64 = 0.01;
+pub(crate) const ESTIMATE_BANDWIDTH_MAX: f64 = 1.0e4;
+
+/// What options of an estimator and entries of a prior may be between, whatever their unit: far outside of anything physical, and
+/// far from overflow in a product of four.
+pub(crate) const ESTIMATE_DEVIATION_MIN: f64 = 1.0e-9;
+pub(crate) const ESTIMATE_DEVIATION_MAX: f64 = 1.0e12;
+
+/// How long a filter remembers, in its time constants 1/a: exp(−x)·(1 + x + x²/2) is 0.3 % of a step at x = 10.
+pub(crate) const ESTIMATE_FILTER_MEMORY: f64 = 10.0;
+
+/// The same for the observer's lag, in 1/L: exp(−5) is 0.7 %.
+pub(crate) const ESTIMATE_OBSERVER_MEMORY: f64 = 5.0;
+
+/// Length of the shortest blocks of residuals, s; the others are 4 and 16 times as long. Residuals of real arms stay alike for 0.1
+/// to 0.4 s, with a wrong body for seconds.
+pub(crate) const ESTIMATE_BLOCK_SECONDS: f64 = 0.25;
+
+/// Fewest blocks that a variance is taken from: Student's interval is then 30 % wider than the normal one.
+pub(crate) const ESTIMATE_BLOCKS_MIN: f64 = 8.0;
+
+/// Seconds of motion over which residuals' moments are taken.
+pub(crate) const ESTIMATE_SPREAD_SECONDS: f64 = 10.0;
+
+/// Standard deviation of residuals that is assumed where none is given, as part of the joint's peak torque.
+pub(crate) const ESTIMATE_NOISE_PART: f64 = 0.01;
+
+/// Standard deviation of each term at full speed that is assumed of a model's friction, as part of the joint's peak torque: friction
+/// is 5 to 30 % of it.
+pub(crate) const ESTIMATE_PRIOR_PART: f64 = 0.3;
+
+/// Peak torque, N m or N, and speed limit, rad/s or m/s, of a joint whose description has none: they only make units comparable.
+pub(crate) const ESTIMATE_TORQUE_DEFAULT: f64 = 100.0;
+pub(crate) const ESTIMATE_VELOCITY_DEFAULT: f64 = 2.0;
+
+/// Motion that an estimate takes, over the time for which residuals stay alike: ten independent pieces of evidence.
+pub(crate) const ESTIMATE_MOTION_MIN: f64 = 10.0;
+
+/// Standard deviation of the speed's magnitude that separates viscous from Coulomb friction, over its mean; a term in speed
+/// squared takes twice that.
+pub(crate) const ESTIMATE_SPEED_SPREAD_MIN: f64 = 0.1;
+
+/// Standard deviation of the gravity torque's magnitude that separates the load's friction, over its mean.
+pub(crate) const ESTIMATE_LOAD_SPREAD_MIN: f64 = 0.1;
+
+/// A coefficient is told by the samples where its standard error is below this part of what it was beforehand.
+pub(crate) const ESTIMATE_TOLD_PART: f64 = 0.5;
+
+/// Variance of a learned friction coefficient at the start, over that of a sample: a twentieth of a second at 1 kHz
+/// outweighs it, so that the first transient does not become the law.
+pub(crate) const ADAPT_PRIOR: f64 = 0.02;
+
+/// Speed below which no friction is learned, rad/s or m/s: the contact may not slide yet.
+pub(crate) const ADAPT_REST: f64 = 0.02;
+
+/// How long the controller remembers what it learned of friction, s: two or three moves; temperature takes minutes.
+pub(crate) const ADAPT_MEMORY: f64 = 2.0;
+
+/// Rate of the observer on the output's side over that on the motor's: at the same rate the slowest pole of an arm on its
+/// transmission keeps 0.15 to 0.2 of critical damping, at a quarter 0.35 to 0.4.
+pub(crate) const ADAPT_OUTPUT: f64 = 0.25;
 
 /// Most samples of a recording: an hour at 100 Hz, ten minutes at 1 kHz, and more would wait in memory for nothing.
 pub(crate) const FIT_SAMPLES_MAX: usize = 1_000_000;
@@ -555,7 +774,6 @@ pub(crate) const FIT_BAND_MIN: f64 = 0.1;
 
 /// Highest corner of a fit's filter, Hz: above it the transmission, not the rigid arm, answers.
 pub(crate) const FIT_BAND_MAX: f64 = 100.0;
-
 /// Smallest part of a diagonal entry that a pivot of Cholesky's method may be in a fit: below it the parameter is not told by
 /// anything, and rounding is what is left.
 pub(crate) const PIVOT_PART_MIN: f64 = 1.0e-14;
@@ -602,9 +820,7 @@ pub(crate) const STUDENT_SCALE_RANGE: f64 = 3.0;
 
 /// Terms of the continued fraction of the incomplete beta function: for the degrees in use a few dozen are enough.
 pub(crate) const INCOMPLETE_BETA_ROUNDS: usize = 300;
-
-/// Halvings in the search for a quantile: to rounding.
-pub(crate) const QUANTILE_ROUNDS: usize = 60;
+pub(crate) const QUANTILE_ROUNDS: usize = 200;
 
 /// Speed below which a joint is at rest to a fit, rad/s or m/s: friction is then between its two directions, and a model's torque is
 /// uncertain by it.
@@ -675,6 +891,10 @@ pub(crate) const POSE_SHARE_MIN: f64 = 0.1;
 
 /// How many times as large the error on unseen stretches may be as on fitted ones before it is said.
 pub(crate) const UNSEEN_ERROR_RATIO: f64 = 2.0;
+/// Distance of the nodes at which the simulated arm's inertia, Coriolis and gravity torques are computed, s. Chosen by measurement: with it the
+/// UR5e is off an independent integrator by 3e-8 rad after half a second (1 ms: 7e-8; 50 µs: 2e-10), and an elastic arm of 24 J
+/// keeps its energy to 8e-6 J in a second (6e-5; 8e-9). Pinned by the tests of `drive/plant/tests.rs`.
+pub(crate) const PLANT_NODES: f64 = 5.0e-4;
 
 /// Most terms of a fitted stiffness polynomial: as many as a description may have.
 pub(crate) const STIFFNESS_TERMS_MAX: usize = 8;
@@ -705,3 +925,65 @@ pub(crate) const SPEEDS_APART: f64 = 1.1;
 /// How many times as large an error may be with the described bodies as with free ones before it is said: those have ten parameters a
 /// body more, and are not drawn to anything.
 pub(crate) const WRONG_BODY_RATIO: f64 = 1.5;
+/// Degrees of freedom from which on Student's distribution is the normal one with two corrections: what they leave is z⁷/ν³/384,
+/// below 1e-11 of z at every probability that there is.
+pub(crate) const STUDENT_NORMAL_FROM: f64 = 1.0e5;
+
+/// Half the degrees of freedom from which on the ratio of two gamma functions is its series, true to rounding; the difference of
+/// their logarithms loses digits instead.
+pub(crate) const GAMMA_SERIES_FROM: f64 = 500.0;
+
+/// The continued fraction of Student's distribution ends when a step is this close to 1, and after so many at the latest: it
+/// needs some roots of the degrees of freedom.
+pub(crate) const STUDENT_ROUNDING: f64 = 1.0e-15;
+pub(crate) const STUDENT_ROUNDS: usize = 5_000;
+
+/// A quantile is found when Newton's step is this part of it, and after so many rounds at the latest: halving alone needs sixty.
+pub(crate) const QUANTILE_ROUNDING: f64 = 1.0e-14;
+
+/// Part of a band that plans leave unused: torque and band are sampled, ten times in a stretch of a tenth of a radian and once more
+/// around the largest sum, so that a maximum between samples is missed by less than this part of the band.
+pub(crate) const BAND_RESERVE: f64 = 1.0e-2;
+
+/// What a joint's torque limit is tightened by beyond the excess found, as part of the band there: the slower plan has its tightest
+/// moment elsewhere, and needs fewer rounds so.
+pub(crate) const BAND_AHEAD: f64 = 5.0e-3;
+
+/// Most plans that are made one after the other until torque limits hold at a confidence; four are usual.
+pub(crate) const CONFIDENT_ROUNDS: usize = 10;
+
+/// How often a plan that holds is tried again with what it left unused, and what it must have left, as part of the torque set
+/// aside: once brings what there is.
+pub(crate) const CONFIDENT_LOOSENINGS: usize = 2;
+pub(crate) const CONFIDENT_SLACK: f64 = 0.05;
+
+/// The lowest part of the nominal speed that is tried before a confidence is refused: forces of motion are then 4e-4 of what they
+/// were.
+pub(crate) const CONFIDENT_SLOWEST: f64 = 0.02;
+
+/// Halvings of the range of speeds that may hold a confidence, on its logarithm: the one found is within 2 % of the fastest.
+pub(crate) const CONFIDENT_HALVINGS: usize = 8;
+
+/// How far inside of a stretch of a motion its ends are sampled for bands, as part of it: speeds are then not 0 where a joint
+/// starts or turns back, and friction has its side.
+pub(crate) const BAND_INSIDE: f64 = 1.0e-9;
+
+/// Rounds of golden section around the largest sum of torque and band: they narrow two intervals to a fiftieth.
+pub(crate) const BAND_GOLDEN_ROUNDS: usize = 8;
+
+/// Joint travel between two samples of a band, rad or m, summed over joints: φ·Σ·φ swings twice as fast as φ.
+pub(crate) const BAND_TRAVEL: f64 = 0.1;
+
+/// Most samples of a band in one stretch of a motion, and fewest in one whose path is timed already in many.
+pub(crate) const BAND_PARTS_MAX: usize = 1000;
+pub(crate) const BAND_PARTS_MIN: usize = 2;
+
+/// Fewest samples of a band, less one, in one phase of a move's pattern.
+pub(crate) const BAND_PATTERN_PARTS_MIN: usize = 10;
+
+/// Samples of a band between two looks at the budget: some hundred microseconds.
+pub(crate) const BAND_BLOCK: usize = 32;
+
+/// What a parameter's variance is raised by, relative, where rounding has made a covariance indefinite: twice what registration
+/// lets through.
+pub(crate) const COVARIANCE_LIFT: f64 = 2.0e-8;

@@ -2,18 +2,21 @@
 //!
 //! It takes a motion as polynomials of time, knows nothing of how it was planned, and goes its own way to the torque: from
 //! positions, velocities and accelerations through [`crate::dynamics`], not through terms of a path. Between switching
-//! times torques are smooth; they are sampled more densely than they can swing, and every extreme between samples is
-//! found by successive parabolic interpolation.
+//! times torques are smooth, but for the kinks of friction in proportion to a load that passes zero, where stretches end; they
+//! are sampled more densely than they can swing, and every extreme between samples is found by successive parabolic
+//! interpolation.
 
 mod extreme;
+pub(crate) mod kinks;
 pub(crate) mod overrides;
 
 use crate::dynamics::chain::Chain;
-use crate::dynamics::drive::DriveTerms;
+use crate::dynamics::drive::{DriveTerms, any_loaded};
 use crate::dynamics::sweep::Sweep;
 use crate::plan::outcome::OverrideSafety;
-use crate::tolerance::{INTERVALS_MIN, SAMPLE_TRAVEL};
+use crate::tolerance::{INTERVALS_MIN, KINK_FLOOR, SAMPLE_TRAVEL};
 use crate::trajectory::{Trajectory, evaluate};
+use kinks::Search;
 
 /// What a motion asks of the drives.
 #[derive(Debug, Clone)]
@@ -60,11 +63,11 @@ pub(crate) struct Point {
     pub(crate) joint: usize,
     pub(crate) time: f64,
     pub(crate) segment: usize,
-    /// Inertia, rotor and velocity products.
+    /// Inertia, rotor, velocity products and quadratic friction.
     pub(crate) dynamic: f64,
     /// Viscous friction.
     pub(crate) viscous: f64,
-    /// Gravity and Coulomb friction.
+    /// Gravity and Coulomb friction, that of the load included.
     pub(crate) still: f64,
     /// Gravity alone.
     pub(crate) gravity: f64,
@@ -77,13 +80,33 @@ impl Point {
     }
 }
 
-/// The samples of one segment.
+/// The samples of one segment, or of a part of it in which no load passes zero.
 #[derive(Debug, Clone, Copy)]
 struct Stretch {
     segment: usize,
+    /// Begin and end, since the segment began, s.
+    from: f64,
+    to: f64,
     /// Index of the first sample.
     first: usize,
     intervals: usize,
+}
+
+impl Stretch {
+    /// When a sample is, since the segment began.
+    fn local(&self, k: usize) -> f64 {
+        self.from + self.step() * k as f64
+    }
+
+    /// Time from sample to sample.
+    fn step(&self) -> f64 {
+        (self.to - self.from) / self.intervals as f64
+    }
+
+    /// Its samples, last included, of a column.
+    fn of<'a>(&self, column: &'a [f64]) -> &'a [f64] {
+        &column[self.first..=self.first + self.intervals]
+    }
 }
 
 /// Scratch of the verifier, reused from plan to plan.
@@ -106,9 +129,6 @@ impl Verifier {
         motion: &Trajectory,
     ) -> Verification {
         let directions = directions(motion);
-        let stretches = self.sample(chain, motion);
-        self.add_drives(drives, motion, &directions, &stretches);
-        let mut joints = self.demands(motion, &stretches);
         let context = extreme::Context {
             chain,
             drives,
@@ -116,6 +136,16 @@ impl Verifier {
             motion,
             directions: &directions,
         };
+        let mut stretches = whole_segments(motion);
+        self.sample(chain, motion, &stretches);
+        if any_loaded(drives)
+            && let Some(divided) = self.divided(&context, &stretches)
+        {
+            stretches = divided;
+            self.sample(chain, motion, &stretches);
+        }
+        self.add_drives(drives, motion, &directions, &stretches);
+        let mut joints = self.demands(motion, &stretches);
         let peaks = extreme::find(&context, self, &stretches, &mut joints);
         let points = self.points(&context, &stretches, &peaks);
         let override_safe = overrides::worst(&context, &mut self.refine, &points);
@@ -128,40 +158,64 @@ impl Verifier {
     }
 
     /// Fills the sweep with samples of the motion and computes their rigid-body torques.
-    fn sample(&mut self, chain: &Chain, motion: &Trajectory) -> Vec<Stretch> {
-        let mut stretches = Vec::with_capacity(motion.segment_count());
-        let mut count = 0;
-        for (segment, ends) in motion.times().windows(2).enumerate() {
-            let span = ends[1] - ends[0];
-            // velocities do not change sign within a segment
-            let travel: f64 = motion
-                .segment(segment)
-                .iter()
-                .map(|p| (evaluate(p, span).position - p[0]).abs())
-                .sum();
-            let halves = (0.5 * travel / SAMPLE_TRAVEL).ceil() as usize;
-            let intervals = (2 * halves).max(INTERVALS_MIN);
-            stretches.push(Stretch {
-                segment,
-                first: count,
-                intervals,
-            });
-            count += intervals + 1;
-        }
+    fn sample(&mut self, chain: &Chain, motion: &Trajectory, stretches: &[Stretch]) {
+        let count = stretches.last().map_or(0, |last| last.first + last.intervals + 1);
         self.sweep.reset(motion.joint_count(), count);
         self.times.clear();
-        for stretch in &stretches {
-            let (from, to) = (motion.times()[stretch.segment], motion.times()[stretch.segment + 1]);
-            let step = (to - from) / stretch.intervals as f64;
+        for stretch in stretches {
+            let begin = motion.times()[stretch.segment];
             for k in 0..=stretch.intervals {
-                let local = step * k as f64;
+                let local = stretch.local(k);
                 self.sweep
                     .set(stretch.first + k, motion.segment(stretch.segment), local);
-                self.times.push(from + local);
+                self.times.push(begin + local);
             }
         }
         self.sweep.compute(chain);
-        stretches
+    }
+
+    /// The stretches, divided where the load of a moving joint's friction passes zero; `None` where none does.
+    fn divided(&mut self, context: &extreme::Context<'_>, stretches: &[Stretch]) -> Option<Vec<Stretch>> {
+        let sweep = &self.sweep;
+        let floor = KINK_FLOOR
+            * sweep
+                .gravity
+                .iter()
+                .fold(0.0, |most: f64, gravity| most.max(gravity.abs()));
+        let mut cuts = vec![Vec::new(); stretches.len()];
+        // of which stretch, of which joint
+        let mut searches: Vec<(usize, usize, Search)> = Vec::new();
+        for (index, stretch) in stretches.iter().enumerate() {
+            let times: Vec<f64> = (0..=stretch.intervals).map(|k| stretch.local(k)).collect();
+            for joint in context.loaded(stretch.segment) {
+                let gravity = stretch.of(&sweep.gravity[sweep.column(joint)..]);
+                let begun = Search::begin(&times, gravity, floor, &mut cuts[index]);
+                searches.extend(begun.into_iter().map(|search| (index, joint, search)));
+            }
+        }
+        while !searches.is_empty() {
+            let moments: Vec<(usize, f64)> = searches
+                .iter()
+                .map(|(index, _, search)| (stretches[*index].segment, search.probe()))
+                .collect();
+            context.compute_at(&mut self.refine, &moments);
+            let looked = std::mem::take(&mut searches);
+            for (sample, (index, joint, search)) in looked.into_iter().enumerate() {
+                let gravity = self.refine.gravity[self.refine.column(joint) + sample];
+                let next = search.step(gravity, floor, &mut cuts[index]);
+                searches.extend(next.into_iter().flatten().map(|search| (index, joint, search)));
+            }
+        }
+        let mut divided = Vec::with_capacity(stretches.len());
+        for (stretch, mut cuts) in stretches.iter().zip(cuts) {
+            kinks::keep_apart(&mut cuts, stretch.from, stretch.to);
+            let mut from = stretch.from;
+            for to in cuts.into_iter().chain([stretch.to]) {
+                push_stretch(&mut divided, context.motion, stretch.segment, [from, to]);
+                from = to;
+            }
+        }
+        (divided.len() > stretches.len()).then_some(divided)
     }
 
     /// Adds rotors and friction to the rigid-body torques.
@@ -172,12 +226,14 @@ impl Verifier {
         for (joint, drive) in drives.iter().enumerate() {
             let column = self.sweep.column(joint);
             for stretch in stretches {
-                let coulomb = drive.coulomb(directions[stretch.segment * count + joint]);
+                let direction = directions[stretch.segment * count + joint];
                 let samples = column + stretch.first..=column + stretch.first + stretch.intervals;
                 for entry in samples {
+                    let velocity = self.sweep.velocity[entry];
                     self.torque[entry] += drive.armature * self.sweep.acceleration[entry]
-                        + drive.viscous * self.sweep.velocity[entry]
-                        + coulomb;
+                        + drive.viscous * velocity
+                        + drive.drag(velocity)
+                        + drive.coulomb(direction, self.sweep.gravity[entry]);
                 }
             }
         }
@@ -190,7 +246,7 @@ impl Verifier {
                 let column = self.sweep.column(joint);
                 let mut demand = JointDemand::default();
                 for stretch in stretches {
-                    let span = motion.times()[stretch.segment + 1] - motion.times()[stretch.segment];
+                    let span = stretch.to - stretch.from;
                     let mut sum = 0.0;
                     // the last two powers: a parabola through three rises above the middle one
                     let (mut before, mut last) = (0.0_f64, 0.0_f64);
@@ -229,17 +285,20 @@ impl Verifier {
             }
             let column = self.sweep.column(joint);
             for stretch in stretches {
-                let coulomb = drive.coulomb(context.directions[stretch.segment * count + joint]);
+                let direction = context.directions[stretch.segment * count + joint];
                 for sample in stretch.first..=stretch.first + stretch.intervals {
                     let entry = column + sample;
                     let gravity = self.sweep.gravity[entry];
+                    let velocity = self.sweep.velocity[entry];
                     points.push(Point {
                         joint,
                         time: self.times[sample],
                         segment: stretch.segment,
-                        dynamic: self.sweep.torque[entry] - gravity + drive.armature * self.sweep.acceleration[entry],
-                        viscous: drive.viscous * self.sweep.velocity[entry],
-                        still: gravity + coulomb,
+                        dynamic: self.sweep.torque[entry] - gravity
+                            + drive.armature * self.sweep.acceleration[entry]
+                            + drive.drag(velocity),
+                        viscous: drive.viscous * velocity,
+                        still: gravity + drive.coulomb(direction, gravity),
                         gravity,
                     });
                 }
@@ -260,6 +319,33 @@ impl Verification {
             points: Vec::new(),
         }
     }
+}
+
+/// One stretch a segment.
+fn whole_segments(motion: &Trajectory) -> Vec<Stretch> {
+    let mut stretches = Vec::with_capacity(motion.segment_count());
+    for (segment, ends) in motion.times().windows(2).enumerate() {
+        push_stretch(&mut stretches, motion, segment, [0.0, ends[1] - ends[0]]);
+    }
+    stretches
+}
+
+/// Adds a stretch with as many samples as its travel needs.
+fn push_stretch(stretches: &mut Vec<Stretch>, motion: &Trajectory, segment: usize, [from, to]: [f64; 2]) {
+    // velocities do not change sign within a segment
+    let travel: f64 = motion
+        .segment(segment)
+        .iter()
+        .map(|p| (evaluate(p, to).position - evaluate(p, from).position).abs())
+        .sum();
+    let halves = (0.5 * travel / SAMPLE_TRAVEL).ceil() as usize;
+    stretches.push(Stretch {
+        segment,
+        from,
+        to,
+        first: stretches.last().map_or(0, |last| last.first + last.intervals + 1),
+        intervals: (2 * halves).max(INTERVALS_MIN),
+    });
 }
 
 /// Top of the parabola through three equidistant values, the middle one the largest.

@@ -1,9 +1,12 @@
 //! Wire ↔ domain, and nowhere else. Every number that comes in is checked finite here, and every finding has the path
 //! of its field. A conversion collects all that is wrong and not just the first.
 
+pub mod drive;
 pub mod dynamics;
+pub mod fit;
 pub mod path;
 pub mod plan;
+pub mod rehearse;
 pub mod robot;
 pub mod stream;
 
@@ -228,9 +231,38 @@ pub fn quoted(text: &str) -> String {
     }
 }
 
+/// "the robot has no joint "elbo"; it has "elbow", …": a name that is not among those of a robot.
+pub(crate) fn unknown<'a>(kind: &str, name: &str, known: impl Iterator<Item = &'a str>) -> String {
+    const LISTED: usize = 12;
+    let mut known: Vec<String> = known.take(LISTED + 1).map(quoted).collect();
+    if known.len() > LISTED {
+        known[LISTED] = "…".to_owned();
+    }
+    let known = match known.is_empty() {
+        true => "none".to_owned(),
+        false => known.join(", "),
+    };
+    format!("the robot has no {kind} {}; it has {known}", quoted(name))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_unknown_name_is_answered_with_the_known_ones() {
+        let many: Vec<String> = (0..20).map(|i| format!("j{i}")).collect();
+        let text = unknown("joint", "elbo", many.iter().map(String::as_str));
+        assert!(
+            text.starts_with(r#"the robot has no joint "elbo"; it has "j0", "j1""#),
+            "{text}"
+        );
+        assert!(text.ends_with(r#""j11", …"#), "{text}");
+        assert_eq!(
+            unknown("frame", "a", std::iter::empty()),
+            r#"the robot has no frame "a"; it has none"#
+        );
+    }
 
     #[test]
     fn paths_print_as_field_paths() {

@@ -65,6 +65,9 @@ routes! {
     InverseDynamics: Post "/v1/robots/{robot_id}:inverseDynamics" in "DynamicsService",
     ForwardKinematics: Post "/v1/robots/{robot_id}:forwardKinematics" in "DynamicsService",
     InverseKinematics: Post "/v1/robots/{robot_id}:inverseKinematics" in "DynamicsService",
+    EstimateFriction: Post "/v1/robots/{robot_id}:estimateFriction" in "DriveService",
+    FitDrive: Post "/v1/robots/{robot_id}:fitDrive" in "DriveService",
+    Rehearse: Post "/v1/robots/{robot_id}:rehearse" in "DriveService",
 }
 
 /// What streams are called over HTTP: one JSON document a line.
@@ -74,13 +77,13 @@ impl Rpc {
     /// Whether requests come as a stream.
     #[must_use]
     pub fn takes_stream(self) -> bool {
-        self == Self::PlanBatch
+        matches!(self, Self::PlanBatch | Self::EstimateFriction)
     }
 
     /// Whether answers come as a stream.
     #[must_use]
     pub fn gives_stream(self) -> bool {
-        matches!(self, Self::PlanBatch | Self::StreamSetpoints)
+        matches!(self, Self::PlanBatch | Self::StreamSetpoints | Self::EstimateFriction)
     }
 }
 
@@ -167,9 +170,29 @@ pub fn find<'a>(method: &str, path: &'a str) -> Match<'a> {
     }
 }
 
+/// The RPC of a path over gRPC, `/` service `/` method.
+#[must_use]
+pub fn find_rpc(path: &str) -> Option<Rpc> {
+    let (service, method) = path.strip_prefix('/')?.split_once('/')?;
+    let mut routes = ROUTES.iter();
+    let found = routes.find(|route| route.rpc.name() == method && route.service == service);
+    found.map(|route| route.rpc)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_rpc_is_found_by_its_path() {
+        for route in ROUTES {
+            let path = format!("/{}/{}", route.service, route.rpc.name());
+            assert_eq!(find_rpc(&path), Some(route.rpc));
+            assert_eq!(find_rpc(&path[1..]), None);
+            assert_eq!(find_rpc(&format!("{path}/")), None);
+        }
+        assert_eq!(find_rpc("/takt.v1.RobotService/PlanMove"), None);
+    }
 
     #[test]
     fn every_route_finds_itself() {

@@ -1,8 +1,13 @@
 //! What runs on the planner's threads: from a request and a robot to the answer. Pure.
 
 mod dynamics;
+mod estimate;
 mod finite;
+mod fit;
+mod motor;
 mod path;
+mod propose;
+mod rehearse;
 mod stream;
 
 use std::{sync::Arc, time::Instant};
@@ -11,6 +16,7 @@ use prost::Message;
 use takt_motion::{
     Invalid,
     budget::Budget,
+    drive::rehearse::request::Motion,
     plan::{
         self,
         outcome::{MoveOutcome, Setpoints},
@@ -26,7 +32,10 @@ use tracing::Span;
 
 pub(crate) use self::{
     dynamics::{forward_kinematics, inverse_dynamics, inverse_kinematics},
+    estimate::Estimating,
+    fit::fit_drive,
     path::plan_path,
+    rehearse::rehearse,
     stream::stream_setpoints,
 };
 use crate::{
@@ -74,7 +83,7 @@ macro_rules! of_revision {
 }
 
 of_revision!(
-    PlanMoveRequest PlanPathRequest CheckTrajectoryRequest InverseDynamicsRequest ForwardKinematicsRequest
+    EstimateHeader FitDriveRequest RehearseRequest PlanMoveRequest PlanPathRequest CheckTrajectoryRequest InverseDynamicsRequest ForwardKinematicsRequest
     InverseKinematicsRequest
 );
 
@@ -218,6 +227,8 @@ pub(crate) fn urdf(robot: &Robot, id: &RobotId) -> String {
 struct Planned<O> {
     robot: Arc<Compiled>,
     outcome: O,
+    /// Where asked for.
+    motors: Option<motor::Motors>,
     provenance: v1::Provenance,
 }
 
@@ -230,11 +241,13 @@ pub(crate) fn plan_move(
     budget: &Budget<'_>,
 ) -> Result<v1::PlanMoveResponse, ServiceError> {
     let planned = planned_move(request, subject, limits, deadline, budget)?;
+    let spec = planned.robot.robot.spec();
+    let mut outcome = convert::plan::outcome_to_wire(planned.outcome, spec);
+    if let (v1::plan_move_response::Outcome::Plan(plan), Some(motors)) = (&mut outcome, &planned.motors) {
+        motor::add(motors, &mut plan.setpoints, &mut plan.warnings, spec)?;
+    }
     Ok(v1::PlanMoveResponse {
-        outcome: Some(convert::plan::outcome_to_wire(
-            planned.outcome,
-            planned.robot.robot.spec(),
-        )),
+        outcome: Some(outcome),
         provenance: Some(planned.provenance),
     })
 }
@@ -248,6 +261,8 @@ fn planned_move(
 ) -> Result<Planned<MoveOutcome>, ServiceError> {
     let mut reading = Reading::of(&mut request, subject);
     check_trace(&mut reading.findings, request.trace_points, limits);
+    let period = request.sample_period_s;
+    let wants_motors = motor::is_asked(request.motor_setpoints, period, &mut reading.findings);
     let request = reading.convert(|spec, findings| convert::plan::move_request(request, spec, findings));
     reading.look_further(|robot, budget| plan::plan_move(robot, &request, budget));
     let (robot, provenance) = reading.checked()?;
@@ -261,9 +276,17 @@ fn planned_move(
         return Err(not_finite());
     }
     Span::current().record("outcome", name);
+    let motors = match (&outcome, period.filter(|_| wants_motors)) {
+        (MoveOutcome::Plan(_), Some(period)) => {
+            let motion = Motion::Move(Box::new(request));
+            Some(motor::motors(&robot.robot, &motion, period, deadline, budget)?)
+        }
+        _ => None,
+    };
     Ok(Planned {
         robot,
         outcome,
+        motors,
         provenance,
     })
 }

@@ -42,6 +42,10 @@ pub struct Limits {
     pub max_trajectory_points: usize,
     /// Set-points or trace points of one plan.
     pub max_setpoints: usize,
+    /// Samples of one message of telemetry.
+    pub max_telemetry_samples: usize,
+    /// Points of each trace of one rehearsal.
+    pub max_trace_points: usize,
     /// Requests in work at once, over all connections.
     pub max_concurrent_requests: usize,
     /// Bytes of all requests in work together.
@@ -116,6 +120,8 @@ impl Default for Limits {
             max_states: 10_000,
             max_trajectory_points: 50_000,
             max_setpoints: 100_000,
+            max_telemetry_samples: 1000,
+            max_trace_points: 10_000,
             max_concurrent_requests: 2048,
             max_bytes_in_work: 256 << 20,
             deadline_s: 30.0,
@@ -173,6 +179,8 @@ impl Config {
             ("limits.max_states", self.limits.max_states),
             ("limits.max_trajectory_points", self.limits.max_trajectory_points),
             ("limits.max_setpoints", self.limits.max_setpoints),
+            ("limits.max_telemetry_samples", self.limits.max_telemetry_samples),
+            ("limits.max_trace_points", self.limits.max_trace_points),
             ("limits.max_bytes_in_work", self.limits.max_bytes_in_work),
             ("limits.max_concurrent_requests", self.limits.max_concurrent_requests),
             ("planner.threads", self.planner.threads()),

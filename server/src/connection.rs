@@ -1,5 +1,7 @@
 //! One connection: which protocol it speaks, and how long it may keep us waiting.
 
+mod turn;
+
 use std::{convert::Infallible, io, sync::Arc, time::Duration};
 
 use axum::response::Response;
@@ -11,6 +13,7 @@ use hyper_util::{
 };
 use tokio::{net::TcpStream, sync::OwnedSemaphorePermit};
 
+use self::turn::AfterOthers;
 use crate::{config::ConnectionConfig, edge::Edge};
 
 /// The first bytes of an HTTP/2 connection.
@@ -53,9 +56,9 @@ impl Connections {
             return;
         }
         let detection = Duration::from_secs_f64(self.config.detect_timeout_s);
-        if !matches!(tokio::time::timeout(detection, detected(&stream)).await, Ok(Ok(true))) {
+        let Ok(Ok(Some(protocol))) = tokio::time::timeout(detection, detected(&stream)).await else {
             return;
-        }
+        };
         let edge = Arc::clone(&self.edge);
         let service = hyper::service::service_fn(move |request: Request<Incoming>| {
             let edge = Arc::clone(&edge);
@@ -63,7 +66,12 @@ impl Connections {
             Box::pin(async move { Ok::<Response, Infallible>(edge.handle(request).await) })
         });
         let connection = self.protocol.serve_connection(TokioIo::new(stream), service);
-        if let Err(error) = watcher.watch(connection.into_owned()).await {
+        let connection = watcher.watch(connection.into_owned());
+        let ended = match protocol {
+            Protocol::Http1 => connection.await,
+            Protocol::Http2 => AfterOthers::new(connection).await,
+        };
+        if let Err(error) = ended {
             tracing::debug!(error = %error, "connection ended");
         }
     }
@@ -79,16 +87,28 @@ impl Connections {
     }
 }
 
-/// Waits for the bytes that tell the protocol; false: the peer closed first. They stay to be read.
-async fn detected(stream: &TcpStream) -> io::Result<bool> {
+/// What a connection's first bytes say.
+#[derive(Debug, Clone, Copy)]
+enum Protocol {
+    /// One request after the other.
+    Http1,
+    /// Many at once.
+    Http2,
+}
+
+/// Waits for the bytes that tell the protocol; none: the peer closed first. They stay to be read.
+async fn detected(stream: &TcpStream) -> io::Result<Option<Protocol>> {
     let mut first = [0; PREFACE.len()];
     loop {
         let count = stream.peek(&mut first).await?;
         if count == 0 {
-            return Ok(false);
+            return Ok(None);
         }
-        if count == PREFACE.len() || first[..count] != PREFACE[..count] {
-            return Ok(true);
+        if first[..count] != PREFACE[..count] {
+            return Ok(Some(Protocol::Http1));
+        }
+        if count == PREFACE.len() {
+            return Ok(Some(Protocol::Http2));
         }
         tokio::time::sleep(PREFACE_POLL).await;
     }

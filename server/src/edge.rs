@@ -6,6 +6,7 @@ use std::{
     error::Error as _,
     hash::BuildHasher,
     panic::AssertUnwindSafe,
+    pin::pin,
     sync::{
         Arc,
         atomic::{AtomicU64, Ordering},
@@ -28,7 +29,7 @@ use crate::{
     body::{Budget, Held, Incoming},
     config::Limits,
     error::ServiceError,
-    grpc,
+    grpc::{self, Grpc},
     health::Health,
     http as http_edge, limits,
     planner::{Timing, panicked},
@@ -49,7 +50,7 @@ const RETRY_AFTER: Duration = Duration::from_millis(100);
 /// Both protocols of the port.
 #[derive(Debug)]
 pub(crate) struct Edge {
-    grpc: Router,
+    grpc: Grpc,
     http: Router,
     limits: Limits,
     in_work: Arc<Semaphore>,
@@ -64,7 +65,7 @@ impl Edge {
         limits: Limits,
     ) -> Result<Self, tonic_reflection::server::Error> {
         Ok(Self {
-            grpc: grpc::router(Arc::clone(&service), &health, limits.max_request_bytes)?,
+            grpc: Grpc::new(Arc::clone(&service), &health, limits.max_request_bytes)?,
             http: http_edge::router(service, health, limits.max_request_bytes),
             in_work: Arc::new(Semaphore::new(limits.max_concurrent_requests)),
             bytes: Budget::new(limits.max_bytes_in_work),
@@ -79,15 +80,17 @@ impl Edge {
         let is_grpc = is_grpc(request.headers());
         let id = self.ids.of(request.headers());
         let span = span(&request, is_grpc, &id);
-        let handling = AssertUnwindSafe(self.admit(request, is_grpc, started)).catch_unwind();
-        let answered = async {
+        // Here and below a future stays in its place: kilobytes would be moved with it.
+        let handling = pin!(self.admit(request, is_grpc, started));
+        let handling = AssertUnwindSafe(handling).catch_unwind();
+        let answered = pin!(async {
             let mut response = handling
                 .await
                 .unwrap_or_else(|panic| refuse(panicked(panic.as_ref()), is_grpc));
             log(&response, &id, started.elapsed());
             response.headers_mut().insert(REQUEST_ID, id);
             response
-        };
+        });
         if span.is_disabled() {
             answered.await
         } else {
@@ -118,7 +121,7 @@ impl Edge {
         let allowed = deadline.saturating_duration_since(now);
         request.extensions_mut().insert(Call::new(deadline, allowed));
         request.extensions_mut().insert(admission.clone());
-        let dispatched = self.dispatch(request, is_grpc);
+        let dispatched = pin!(self.dispatch(request, is_grpc));
         match tokio::time::timeout_at(deadline.into(), dispatched).await {
             Ok(response) => response,
             Err(_) => refuse(ServiceError::deadline(), is_grpc),
@@ -126,8 +129,10 @@ impl Edge {
     }
 
     async fn dispatch(&self, request: Request<Incoming>, is_grpc: bool) -> Response {
-        let router = if is_grpc { &self.grpc } else { &self.http };
-        let Ok(response) = router.clone().call(request).await;
+        if is_grpc {
+            return self.grpc.answer(request).await;
+        }
+        let Ok(response) = self.http.clone().call(request).await;
         response
     }
 }
@@ -207,12 +212,9 @@ fn span(request: &Request<hyper::body::Incoming>, is_grpc: bool, id: &HeaderValu
 
 /// The header's value: milliseconds, as browsers read it.
 pub(crate) fn server_timing(timing: Timing) -> String {
-    let milliseconds = |duration: Duration| duration.as_secs_f64() * 1e3;
-    format!(
-        "queue;dur={:.3}, compute;dur={:.3}",
-        milliseconds(timing.queue),
-        milliseconds(timing.compute)
-    )
+    let parts = |duration: Duration| (duration.as_micros() / 1000, duration.as_micros() % 1000);
+    let ((queue, queue_us), (compute, compute_us)) = (parts(timing.queue), parts(timing.compute));
+    format!("queue;dur={queue}.{queue_us:03}, compute;dur={compute}.{compute_us:03}")
 }
 
 /// Makes request ids: different in every process, and counted.

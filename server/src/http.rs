@@ -14,6 +14,7 @@ use axum::{
     handler::Handler,
     response::{IntoResponse, Response},
 };
+use bytes::Bytes;
 use http::{HeaderValue, Method, StatusCode, Uri, header};
 use takt_motion::Invalid;
 use takt_proto::{
@@ -27,9 +28,10 @@ use self::{json::Json, query::Query};
 use crate::{
     edge::{SERVER_TIMING, server_timing},
     error::ServiceError,
+    form::JsonText,
     health::Health,
     planner::Timing,
-    service::{Call, Service},
+    service::{Answer, Call, Service},
 };
 
 #[derive(Debug)]
@@ -77,41 +79,42 @@ impl Http {
             Rpc::ListRevisions => self.list_revisions(request.uri(), id).await,
             Rpc::PlanMove => {
                 let message: v1::PlanMoveRequest = self.json.read_for(request, id, call).await?;
-                self.json
-                    .write(self.service.plan_move(call, message).await?, call)
-                    .await
+                Ok(written(self.service.plan_move::<JsonText>(call, message).await?))
             }
             Rpc::PlanPath => {
                 let message: v1::PlanPathRequest = self.json.read_for(request, id, call).await?;
-                self.json
-                    .write(self.service.plan_path(call, message).await?, call)
-                    .await
+                Ok(written(self.service.plan_path::<JsonText>(call, message).await?))
             }
             Rpc::PlanBatch => self.plan_batch(request, id, call),
+            Rpc::EstimateFriction => self.estimate_friction(request, id, call).await,
             Rpc::StreamSetpoints => self.stream_setpoints(request, id, call).await,
             Rpc::CheckTrajectory => {
                 let message: v1::CheckTrajectoryRequest = self.json.read_for(request, id, call).await?;
-                self.json
-                    .write(self.service.check_trajectory(call, message).await?, call)
-                    .await
+                Ok(written(self.service.check_trajectory::<JsonText>(call, message).await?))
+            }
+            Rpc::FitDrive => {
+                let message: v1::FitDriveRequest = self.json.read_for(request, id, call).await?;
+                Ok(written(self.service.fit_drive::<JsonText>(call, message).await?))
+            }
+            Rpc::Rehearse => {
+                let message: v1::RehearseRequest = self.json.read_for(request, id, call).await?;
+                Ok(written(self.service.rehearse::<JsonText>(call, message).await?))
             }
             Rpc::InverseDynamics => {
                 let message: v1::InverseDynamicsRequest = self.json.read_for(request, id, call).await?;
-                self.json
-                    .write(self.service.inverse_dynamics(call, message).await?, call)
-                    .await
+                Ok(written(self.service.inverse_dynamics::<JsonText>(call, message).await?))
             }
             Rpc::ForwardKinematics => {
                 let message: v1::ForwardKinematicsRequest = self.json.read_for(request, id, call).await?;
-                self.json
-                    .write(self.service.forward_kinematics(call, message).await?, call)
-                    .await
+                Ok(written(
+                    self.service.forward_kinematics::<JsonText>(call, message).await?,
+                ))
             }
             Rpc::InverseKinematics => {
                 let message: v1::InverseKinematicsRequest = self.json.read_for(request, id, call).await?;
-                self.json
-                    .write(self.service.inverse_kinematics(call, message).await?, call)
-                    .await
+                Ok(written(
+                    self.service.inverse_kinematics::<JsonText>(call, message).await?,
+                ))
             }
         }
     }
@@ -151,6 +154,13 @@ impl IntoResponse for ServiceError {
 
 fn json_response(status: StatusCode, body: impl IntoResponse) -> Response {
     (status, [(header::CONTENT_TYPE, "application/json")], body).into_response()
+}
+
+/// An answer that is text already.
+fn written(answer: Answer<Bytes>) -> Response {
+    let mut response = json_response(StatusCode::OK, answer.message);
+    add_timing(&mut response, answer.timing);
+    response
 }
 
 fn add_timing(response: &mut Response, timing: Timing) {

@@ -8,6 +8,7 @@ mod connection;
 mod edge;
 mod error;
 mod examples;
+mod form;
 mod grpc;
 mod health;
 mod http;

@@ -3,6 +3,8 @@
 //! A full queue refuses at once. A calculation whose caller went away, or whose deadline passed, is skipped while it
 //! waits and stopped while it runs. A panic is an internal error of that one request.
 
+mod threads;
+
 use std::{
     panic::{AssertUnwindSafe, catch_unwind},
     sync::Arc,
@@ -12,10 +14,11 @@ use std::{
 use takt_motion::budget::Budget;
 use takt_proto::error::{Error, ErrorCode};
 use tokio::{
-    runtime::{Builder, Runtime},
+    runtime::Handle,
     sync::{OwnedSemaphorePermit, Semaphore, oneshot},
 };
 
+use self::threads::{Handover, Job, Threads};
 use crate::{config::PlannerConfig, error::ServiceError};
 
 /// What a refused caller is told to wait.
@@ -31,32 +34,28 @@ pub(crate) struct Timing {
 /// The pool.
 #[derive(Debug)]
 pub(crate) struct Pool {
-    /// A runtime for the sake of its blocking threads: they take work in order and sleep while there is none, where
-    /// threads that steal work look around first, which cost a short plan a twentieth of its time.
-    threads: Option<Runtime>,
+    threads: Threads,
     thread_count: usize,
     places: Arc<Semaphore>,
     capacity: usize,
 }
 
-impl Drop for Pool {
-    fn drop(&mut self) {
-        // What still runs may end; nobody waits for it, least of all an async thread.
-        if let Some(threads) = self.threads.take() {
-            threads.shutdown_background();
-        }
-    }
+/// How long a calculation takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Length {
+    /// About as long as it takes to wake who waits for it: the answer may be kept back for others to go with it.
+    Brief,
+    /// Any time.
+    Any,
 }
 
 impl Pool {
+    /// Starts the threads. To be called on the runtime on which callers wait.
     pub(crate) fn new(config: &PlannerConfig) -> std::io::Result<Self> {
         let capacity = config.queue_capacity();
-        let threads = Builder::new_current_thread()
-            .max_blocking_threads(config.threads())
-            .thread_name("planner")
-            .build()?;
+        let runtime = Handle::try_current().map_err(std::io::Error::other)?;
         Ok(Self {
-            threads: Some(threads),
+            threads: Threads::start(config.threads(), &runtime)?,
             thread_count: config.threads(),
             places: Arc::new(Semaphore::new(capacity)),
             capacity,
@@ -69,7 +68,7 @@ impl Pool {
     }
 
     /// Runs a calculation. Dropping the returned future gives it up.
-    pub(crate) async fn run<T, J>(&self, deadline: Instant, job: J) -> Result<(T, Timing), ServiceError>
+    pub(crate) async fn run<T, J>(&self, deadline: Instant, length: Length, job: J) -> Result<(T, Timing), ServiceError>
     where
         T: Send + 'static,
         J: FnOnce(&Budget<'_>) -> Result<T, ServiceError> + Send + 'static,
@@ -78,18 +77,23 @@ impl Pool {
             let message = format!("{} calculations run or wait already", self.capacity);
             return Err(Error::overloaded("planner.queue_capacity", message, RETRY_AFTER).into());
         };
-        self.run_in(place, deadline, job).await
+        self.run_in(place, deadline, length, job).await
     }
 
     /// The same for a caller who waits for a place in the queue, up to the deadline.
-    pub(crate) async fn run_in_turn<T, J>(&self, deadline: Instant, job: J) -> Result<(T, Timing), ServiceError>
+    pub(crate) async fn run_in_turn<T, J>(
+        &self,
+        deadline: Instant,
+        length: Length,
+        job: J,
+    ) -> Result<(T, Timing), ServiceError>
     where
         T: Send + 'static,
         J: FnOnce(&Budget<'_>) -> Result<T, ServiceError> + Send + 'static,
     {
         let place = Arc::clone(&self.places).acquire_owned();
         match tokio::time::timeout_at(deadline.into(), place).await {
-            Ok(Ok(place)) => self.run_in(place, deadline, job).await,
+            Ok(Ok(place)) => self.run_in(place, deadline, length, job).await,
             Ok(Err(_)) => Err(ServiceError::internal("the planner has ended")),
             Err(_) => Err(ServiceError::deadline()),
         }
@@ -99,6 +103,7 @@ impl Pool {
         &self,
         place: OwnedSemaphorePermit,
         deadline: Instant,
+        length: Length,
         job: J,
     ) -> Result<(T, Timing), ServiceError>
     where
@@ -108,14 +113,10 @@ impl Pool {
         let (answer, result) = oneshot::channel();
         let queued = Instant::now();
         let span = tracing::Span::current();
-        let threads = self
-            .threads
-            .as_ref()
-            .ok_or_else(|| ServiceError::internal("the planner has ended"))?;
-        threads.spawn_blocking(move || {
+        let run = move || -> Handover {
             let started = Instant::now();
             if answer.is_closed() || started >= deadline {
-                return;
+                return Box::new(move || drop(answer));
             }
             let should_stop = || answer.is_closed() || Instant::now() >= deadline;
             let result = span.in_scope(|| {
@@ -128,7 +129,11 @@ impl Pool {
             };
             drop(place);
             // Nobody may be waiting any more.
-            let _ = answer.send((result, timing));
+            Box::new(move || drop(answer.send((result, timing))))
+        };
+        self.threads.add(Job {
+            is_brief: length == Length::Brief,
+            run: Box::new(run),
         });
         match result.await {
             Ok((Ok(Ok(value)), timing)) => Ok((value, timing)),
@@ -177,9 +182,9 @@ mod tests {
     #[tokio::test]
     async fn a_panic_is_an_error_and_the_pool_goes_on() {
         let pool = pool(1, 4);
-        let failed = pool.run::<(), _>(later(), |_| panic!("broken")).await;
+        let failed = pool.run::<(), _>(later(), Length::Any, |_| panic!("broken")).await;
         assert_eq!(failed.unwrap_err().wire().code, ErrorCode::Internal);
-        assert_eq!(pool.run(later(), |_| Ok(7)).await.unwrap().0, 7);
+        assert_eq!(pool.run(later(), Length::Any, |_| Ok(7)).await.unwrap().0, 7);
     }
 
     #[tokio::test]
@@ -194,10 +199,10 @@ mod tests {
                 let _ = wait.recv();
                 Ok(())
             };
-            busy.run(later(), job).await
+            busy.run(later(), Length::Any, job).await
         });
         begun.await.unwrap();
-        let refused = pool.run(later(), |_| Ok(())).await.unwrap_err();
+        let refused = pool.run(later(), Length::Any, |_| Ok(())).await.unwrap_err();
         assert_eq!(refused.wire().code, ErrorCode::Overloaded);
         assert!(refused.wire().retry_after.is_some());
         release.send(()).unwrap();
@@ -207,7 +212,7 @@ mod tests {
     #[tokio::test]
     async fn who_waits_for_a_turn_gets_it() {
         let pool = pool(1, 1);
-        let waiting = (0..20).map(|number| pool.run_in_turn(later(), move |_| Ok(number)));
+        let waiting = (0..20).map(|number| pool.run_in_turn(later(), Length::Brief, move |_| Ok(number)));
         let answers = futures::future::join_all(waiting).await;
         let numbers: Vec<i32> = answers.into_iter().map(|answer| answer.unwrap().0).collect();
         assert_eq!(numbers, (0..20).collect::<Vec<_>>());
@@ -228,7 +233,7 @@ mod tests {
                 let _ = ended.send(());
                 Ok(())
             };
-            busy.run(later(), job).await
+            busy.run(later(), Length::Any, job).await
         });
         begun.await.unwrap();
         task.abort();
@@ -238,7 +243,44 @@ mod tests {
     #[tokio::test]
     async fn work_whose_deadline_passed_is_skipped() {
         let pool = pool(1, 4);
-        let result = pool.run(Instant::now(), |_| Ok(())).await;
+        let result = pool.run(Instant::now(), Length::Any, |_| Ok(())).await;
         assert_eq!(result.unwrap_err().wire().code, ErrorCode::DeadlineExceeded);
+    }
+
+    /// Runs jobs one behind the other on one thread, all of which wait before the first begins. Once the answer to
+    /// `first` is there, the last one may end.
+    async fn behind_each_other(first: (Length, usize), last: Length) {
+        let pool = pool(1, 64);
+        let (open, gate) = mpsc::channel::<()>();
+        let (release, wait) = mpsc::channel::<()>();
+        let gate = pool.run(later(), Length::Any, move |_| Ok(gate.recv()));
+        let (length, count) = first;
+        let answers = (0..count).map(|number| pool.run(later(), length, move |_| Ok(number)));
+        let answers = async {
+            let answers = futures::future::join_all(answers).await;
+            release.send(()).unwrap();
+            answers
+        };
+        let last = pool.run(later(), last, move |_| Ok(wait.recv()));
+        // Each is polled once in this order, which adds its job.
+        let (_, answers, last, ()) = tokio::join!(gate, answers, last, async { open.send(()).unwrap() });
+        let numbers: Vec<usize> = answers.into_iter().map(|answer| answer.unwrap().0).collect();
+        assert_eq!(numbers, (0..count).collect::<Vec<_>>());
+        assert!(last.unwrap().0.is_ok());
+    }
+
+    #[tokio::test]
+    async fn no_answer_is_kept_back_during_a_long_job() {
+        behind_each_other((Length::Brief, 1), Length::Any).await;
+    }
+
+    #[tokio::test]
+    async fn answers_kept_back_go_when_there_are_enough() {
+        behind_each_other((Length::Brief, threads::ANSWERS_TOGETHER), Length::Brief).await;
+    }
+
+    #[tokio::test]
+    async fn the_answer_to_a_long_job_is_not_kept_back() {
+        behind_each_other((Length::Any, 2), Length::Brief).await;
     }
 }

@@ -1,6 +1,9 @@
 //! The use cases: the same for both protocols.
 
+mod fit;
+mod rehearse;
 mod streams;
+mod telemetry;
 
 use std::{
     sync::Arc,
@@ -10,14 +13,16 @@ use std::{
 use futures::FutureExt;
 use takt_motion::{Invalid, budget::Budget};
 use takt_proto::{error::Error, id::RobotId, v1};
+use tokio::sync::Semaphore;
 use tracing::Span;
 
-pub(crate) use self::streams::Incoming;
+pub(crate) use self::{streams::Incoming, telemetry::Arrived};
 use crate::{
     compute::{self, Subject},
     config::Limits,
     error::ServiceError,
-    planner::{Pool, Timing},
+    form::Form,
+    planner::{Length, Pool, Timing},
     registry::{
         Compiled, Registry, no_revision, no_robot,
         store::{Sequence, check_expected},
@@ -67,27 +72,30 @@ pub(crate) struct Answer<T> {
 pub(crate) struct Service {
     registry: Registry,
     planner: Pool,
+    /// Turns of streams at the planner's door.
+    turns: Semaphore,
     limits: Limits,
 }
 
 const PAGE_SIZE: u32 = 100;
 const LARGEST_PAGE: u32 = 1000;
 
-/// One calculation on the planner's threads about one robot.
+/// One calculation on the planner's threads about one robot; its answer in the form that the caller wants.
 macro_rules! calculation {
-    ($(#[$doc:meta])* $name:ident: $request:ident -> $response:ident) => {
+    ($(#[$doc:meta])* $name:ident: $request:ident -> $response:ident, $length:path) => {
         $(#[$doc])*
-        pub(crate) async fn $name(
+        pub(crate) async fn $name<F: Form<v1::$response>>(
             self: &Arc<Self>,
             call: Call,
             request: v1::$request,
-        ) -> Result<Answer<v1::$response>, ServiceError> {
+        ) -> Result<Answer<F::Written>, ServiceError> {
             let subject = self.subject(call, &request.robot_id, request.revision.as_deref()).await?;
+            let length = $length(&request);
             let service = Arc::clone(self);
             let job = move |budget: &Budget<'_>| {
-                compute::$name(request, subject, &service.limits, call.deadline, budget)
+                F::write(compute::$name(request, subject, &service.limits, call.deadline, budget)?)
             };
-            let (message, timing) = self.run(call, job).await?;
+            let (message, timing) = self.run_of(call, length, job).await?;
             Ok(answer(message, timing))
         }
     };
@@ -97,6 +105,7 @@ impl Service {
     pub(crate) fn new(registry: Registry, planner: Pool, limits: Limits) -> Self {
         Self {
             registry,
+            turns: Semaphore::new(planner.thread_count()),
             planner,
             limits,
         }
@@ -108,18 +117,26 @@ impl Service {
         T: Send + 'static,
         J: FnOnce(&Budget<'_>) -> Result<T, ServiceError> + Send + 'static,
     {
+        self.run_of(call, Length::Any, job).await
+    }
+
+    async fn run_of<T, J>(&self, call: Call, length: Length, job: J) -> Result<(T, Timing), ServiceError>
+    where
+        T: Send + 'static,
+        J: FnOnce(&Budget<'_>) -> Result<T, ServiceError> + Send + 'static,
+    {
         match call.in_turn {
-            true => self.planner.run_in_turn(call.deadline, job).await,
-            false => self.planner.run(call.deadline, job).await,
+            true => self.planner.run_in_turn(call.deadline, length, job).await,
+            false => self.planner.run(call.deadline, length, job).await,
         }
     }
 
-    calculation!(plan_move: PlanMoveRequest -> PlanMoveResponse);
-    calculation!(plan_path: PlanPathRequest -> PlanPathResponse);
-    calculation!(check_trajectory: CheckTrajectoryRequest -> CheckTrajectoryResponse);
-    calculation!(inverse_dynamics: InverseDynamicsRequest -> InverseDynamicsResponse);
-    calculation!(forward_kinematics: ForwardKinematicsRequest -> ForwardKinematicsResponse);
-    calculation!(inverse_kinematics: InverseKinematicsRequest -> InverseKinematicsResponse);
+    calculation!(plan_move: PlanMoveRequest -> PlanMoveResponse, length_of_move);
+    calculation!(plan_path: PlanPathRequest -> PlanPathResponse, any_length);
+    calculation!(check_trajectory: CheckTrajectoryRequest -> CheckTrajectoryResponse, any_length);
+    calculation!(inverse_dynamics: InverseDynamicsRequest -> InverseDynamicsResponse, any_length);
+    calculation!(forward_kinematics: ForwardKinematicsRequest -> ForwardKinematicsResponse, any_length);
+    calculation!(inverse_kinematics: InverseKinematicsRequest -> InverseKinematicsResponse, any_length);
 
     /// Checks a description and keeps it.
     pub(crate) async fn register_robot(
@@ -271,6 +288,18 @@ impl Service {
         };
         self.registry.compiled(id, revision, compile).await
     }
+}
+
+/// A move takes some ten microseconds; its set-points take as long as there are many of them.
+fn length_of_move(request: &v1::PlanMoveRequest) -> Length {
+    match (request.sample_period_s, request.trace_points) {
+        (None, None) => Length::Brief,
+        _ => Length::Any,
+    }
+}
+
+fn any_length<T>(_: &T) -> Length {
+    Length::Any
 }
 
 fn answer<T>(message: T, timing: Timing) -> Answer<T> {

@@ -2,6 +2,8 @@
 
 mod bodies;
 mod descriptions;
+mod drives;
+mod fits;
 mod moves;
 mod programs;
 mod protobuf;
@@ -98,6 +100,8 @@ requests! {
     InverseDynamicsRequest: InverseDynamics,
     ForwardKinematicsRequest: ForwardKinematics,
     InverseKinematicsRequest: InverseKinematics,
+    EstimateFrictionRequest: EstimateFriction,
+    RehearseRequest: Rehearse,
 }
 
 impl Row {
@@ -352,6 +356,11 @@ async fn streams_are_refused() {
 }
 
 #[tokio::test]
+async fn drives_are_refused() {
+    check(drives::rows()).await;
+}
+
+#[tokio::test]
 async fn trajectories_are_refused() {
     check(trajectories::rows()).await;
 }
@@ -393,6 +402,7 @@ fn the_table_is_complete() {
         moves::rows(),
         programs::rows(),
         streams::rows(),
+        drives::rows(),
         trajectories::rows(),
         states::rows(),
         descriptions::rows(),

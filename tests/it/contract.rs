@@ -190,6 +190,45 @@ fn requests() -> Vec<(&'static str, Rpc, &'static str, Value)> {
             }),
         ),
         (
+            "estimate_friction",
+            Rpc::EstimateFriction,
+            "scara",
+            json!({"header": {"method": "KALMAN", "terms": {"by_direction": true}, "half_life_s": 30, "report_period_s": 1}}),
+        ),
+        (
+            "fit_drive_not_excited",
+            Rpc::FitDrive,
+            "scara",
+            json!({"motion": {"scope": "FRICTION", "recording": {
+                "time_s": (0..40).map(|index| 0.01 * f64::from(index)).collect::<Vec<_>>(),
+                "joints": vec![json!({"position": vec![0.1; 40], "torque": vec![1.0; 40]}); 4],
+            }}}),
+        ),
+        (
+            "fit_drive_refused",
+            Rpc::FitDrive,
+            "scara",
+            json!({"motion": {"band_hz": 0, "recording": {"time_s": [0, 0], "joints": [{"joint": "tail"}]}}}),
+        ),
+        (
+            "rehearse",
+            Rpc::Rehearse,
+            "scara",
+            json!({
+                "move": {"start": {"position": [-1, 1, 0.1, 0]}, "target": {"position": [-0.9, 1, 0.1, 0]}},
+                "friction": [{"coulomb_scale": 2}], "period_s": 0.002, "settle_s": 0.1, "trace_every": 100,
+            }),
+        ),
+        (
+            "rehearse_refused",
+            Rpc::Rehearse,
+            "scara",
+            json!({
+                "move": {"start": {"position": [-1, 1, 0.1, 0]}, "sample_period_s": 0.004},
+                "friction": [{"joint": "tail"}, {"coulomb_scale": -1}], "trace_every": 0,
+            }),
+        ),
+        (
             "check_trajectory",
             Rpc::CheckTrajectory,
             "ur5e",

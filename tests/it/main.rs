@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 mod bad_inputs;
+mod bench;
 mod contract;
 mod inverse;
 mod limits;
@@ -13,5 +14,7 @@ mod oracle;
 mod plan;
 mod programs;
 mod registry;
+mod rehearse;
 mod streams;
+mod telemetry;
 mod tidy;

@@ -8,7 +8,10 @@ mod targets;
 use prost::Message;
 use takt_checker::draw::Draw;
 use takt_proto::v1;
-use takt_tests::fixtures::{example, plan_move, registration, text};
+use takt_tests::{
+    fixtures::{example, plan_move, registration, text},
+    telemetry::Reporter,
+};
 
 /// Mutations of each seed.
 const ROUNDS: usize = 1500;
@@ -275,4 +278,71 @@ fn states_are_computed_or_refused() {
         ..Default::default()
     };
     run(8, targets::inverse_kinematics, &encodings(&solved));
+}
+
+#[test]
+fn telemetry_is_read_or_refused() {
+    use v1::estimate_friction_request::Part;
+    let message = |part| v1::EstimateFrictionRequest {
+        robot_id: "scara".to_owned(),
+        part: Some(part),
+    };
+    let mut block = Reporter::default().block(20);
+    // Of the arm that has four joints, by their places.
+    block.joints.truncate(4);
+    block.joints.iter_mut().for_each(|joint| joint.joint.clear());
+    let header = v1::EstimateHeader {
+        method: Some(3),
+        terms: Some(v1::FrictionTerms {
+            by_direction: Some(true),
+            load: Some(true),
+            quadratic: Some(true),
+        }),
+        half_life_s: Some(10.0),
+        bandwidth_hz: Some(20.0),
+        prior: vec![v1::FrictionPrior {
+            joint: "elbow".to_owned(),
+            mean: vec![1.0, 1.0, 2.0, 0.1, 0.01],
+            covariance: vec![
+                1.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0,
+            ],
+        }],
+        ..Default::default()
+    };
+    let inputs = [
+        encodings(&message(Part::Header(header))),
+        encodings(&message(Part::Telemetry(block))),
+    ]
+    .concat();
+    run(9, targets::estimate_friction, &inputs);
+}
+
+#[test]
+fn rehearsals_are_run_or_refused() {
+    let request = v1::RehearseRequest {
+        motion: Some(v1::rehearse_request::Motion::Move(plan_move(
+            "scara",
+            &[-1.0, 1.0, 0.1, 0.0],
+            &[-0.9, 1.0, 0.1, 0.0],
+        ))),
+        friction: vec![v1::FrictionTruth {
+            coulomb_scale: Some(1.5),
+            ..Default::default()
+        }],
+        encoders: vec![v1::Encoder {
+            joint: "elbow".to_owned(),
+            motor_step: Some(1e-4),
+            motor_noise: Some(1e-5),
+            ..Default::default()
+        }],
+        wrenches: vec![v1::WrenchPulse {
+            begin_s: 0.1,
+            end_s: 0.2,
+            force_n: vec![10.0, 0.0, 0.0],
+            moment_n_m: Vec::new(),
+        }],
+        trace_every: Some(10),
+        ..Default::default()
+    };
+    run(10, targets::rehearse, &encodings(&request));
 }

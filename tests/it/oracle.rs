@@ -109,6 +109,7 @@ fn puma_joint(link: &Value) -> v1::JointDescription {
                 viscous: number("viscous"),
                 coulomb_positive: Some(coulomb[0]),
                 coulomb_negative: Some(-coulomb[1]),
+                ..Default::default()
             }],
             ..Default::default()
         }),

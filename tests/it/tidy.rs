@@ -23,6 +23,13 @@ const UNITS: &[&str] = &[
     "_m_per_s",
     "_m_per_s2",
     "_nm_per_a",
+    "_rad_per_s",
+    "_per_s",
+    "_hz",
+    "_j",
+    "_a",
+    "_n",
+    "_n_m",
 ];
 
 /// Crates of the workspace, and the programs beside it.
@@ -225,7 +232,8 @@ const RATIOS: &[&str] = &[
     "normal",
     "steepness",
     "singular",
+    "degrees_of_freedom",
 ];
 
 /// Units as comments write them.
-const WRITTEN: &[&str] = &["rad", "N m", "kg m^2", "row by row", "the unit of"];
+const WRITTEN: &[&str] = &["rad", "N m", "kg m^2", "row by row", "the unit of", "a ratio"];

@@ -6,6 +6,7 @@ pub mod fixtures;
 pub mod grpc;
 pub mod http;
 pub mod server;
+pub mod telemetry;
 
 pub use server::TestServer;
 

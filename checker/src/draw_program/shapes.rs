@@ -61,6 +61,14 @@ impl<'a> Hand<'a> {
         }
     }
 
+    /// The next segment, one of the tool with a speed of its own: a line or an arc.
+    pub(super) fn tool_shape(&mut self, draw: &mut Draw) -> Shape {
+        match one_in(draw, 3) {
+            true => self.arc(draw),
+            false => self.line(draw),
+        }
+    }
+
     fn joint(&mut self, draw: &mut Draw) -> Shape {
         let reach = [1.5, 0.5, 0.1][(draw.bits() % 3) as usize];
         let joints = self.near(draw, reach);

@@ -5,7 +5,7 @@
 //! tighter of the limits for speeding up and slowing down, whichever the joint does. Speeds, accelerations and jerks are
 //! multiplied by the request's scales at the end, the tool's like the joints'.
 
-use takt_motion::path::request::{PathRequest, Segment};
+use takt_motion::path::request::{PathRequest, Segment, Timing};
 use takt_motion::plan::request::LimitOverride;
 use takt_motion::robot::spec::{JointKind, JointSpec, RobotSpec};
 
@@ -61,7 +61,9 @@ fn of_segment(spec: &RobotSpec, request: &PathRequest, segment: &Segment) -> Seg
         bounds.scaled(request)
     });
     let (path, own) = (&request.tool_limits, &segment.tool_limits);
-    let speed = smaller(smaller(path.velocity, own.velocity), segment.tool_speed);
+    // at constant speed it is not a limit but the speed itself
+    let tool_speed = segment.tool_speed.filter(|_| request.timing == Timing::Optimal);
+    let speed = smaller(smaller(path.velocity, own.velocity), tool_speed);
     SegmentBounds {
         joints: joints.collect(),
         tool_velocity: speed.map(|speed| speed * request.speed_scale),

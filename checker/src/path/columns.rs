@@ -12,7 +12,8 @@
 //! lets them get in a step: an acceleration that jumps does so from one of its values to the other, and one that bends
 //! has no room in a step to bend further. So what the step leaves open shrinks with it, and with the jumps, down to what
 //! a timing without jerk limits may do in a part of a step, where two of its nodes are close. At a drive's
-//! period the acceleration may do anything between two set-points that it does anywhere on the path, and as much again.
+//! period the acceleration may do anything between two set-points that it does anywhere on the path, and as much again;
+//! before a stop, anything that its limit lets it: the set-point there has the acceleration just after.
 
 use super::report::{FaultKind, PathReport};
 use super::{Case, Density};
@@ -31,11 +32,17 @@ pub(super) fn check(case: &Case<'_>, report: &mut PathReport) {
             Some(jerk) => step * jerk,
             None => tolerance::BLIP * (everywhere[1] - everywhere[0]),
         };
+        let most = case
+            .bounds
+            .iter()
+            .filter_map(|bounds| bounds.joints[joint].acceleration);
+        let most = most.fold(0.0, f64::max);
         for next in 1..times.len() {
             let bounds = match case.density {
                 Density::Coarse => {
                     let apart = everywhere[1] - everywhere[0];
-                    [everywhere[0] - apart, everywhere[1] + apart]
+                    let most = if stops(case, next) { most } else { 0.0 };
+                    [(everywhere[0] - apart).min(-most), (everywhere[1] + apart).max(most)]
                 }
                 Density::Resolving => {
                     let around = &qdd[next.saturating_sub(2)..(next + 2).min(qdd.len())];
@@ -60,6 +67,12 @@ pub(super) fn check(case: &Case<'_>, report: &mut PathReport) {
             }
         }
     }
+}
+
+/// Whether the arm stands at a set-point.
+fn stops(case: &Case<'_>, index: usize) -> bool {
+    let mut joints = case.samples.joints().iter();
+    joints.all(|joint| joint.velocity[index] == 0.0)
 }
 
 fn lowest(values: &[f64]) -> f64 {

@@ -105,6 +105,8 @@ pub enum FaultKind {
     Margin,
     /// A figure that is echoed is not the request's.
     Echo,
+    /// A constant tool speed is not the one that the plan says, or it says none.
+    ConstantSpeed,
 }
 
 impl PathReport {
@@ -183,15 +185,16 @@ impl Extremes {
             _ => (value.abs() - limit) / limit,
         };
         let place = OF_JOINTS.iter().position(|known| *known == kind).unwrap_or(0);
-        self.keep(
-            joint * OF_JOINTS.len() + place,
+        let found = PathExtreme {
             kind,
-            Some(joint),
+            joint: Some(joint),
+            source: self.source,
             value,
             limit,
             excess,
             time,
-        );
+        };
+        self.keep(joint * OF_JOINTS.len() + place, found);
     }
 
     /// Looks at a magnitude of the tool's motion.
@@ -200,32 +203,26 @@ impl Extremes {
             return;
         };
         let place = self.found.len() - if kind == PathLimit::ToolVelocity { 2 } else { 1 };
-        self.keep(place, kind, None, value, limit, (value - limit) / limit, time);
+        let found = PathExtreme {
+            kind,
+            joint: None,
+            source: self.source,
+            value,
+            limit,
+            excess: (value - limit) / limit,
+            time,
+        };
+        self.keep(place, found);
     }
 
-    #[allow(clippy::too_many_arguments, reason = "the fields of one entry")]
-    fn keep(
-        &mut self,
-        place: usize,
-        kind: PathLimit,
-        joint: Option<usize>,
-        value: f64,
-        limit: f64,
-        excess: f64,
-        time: f64,
-    ) {
+    fn keep(&mut self, place: usize, found: PathExtreme) {
         // What is not a number exceeds every limit, and stays.
-        let excess = if excess.is_nan() { f64::INFINITY } else { excess };
+        let excess = match found.excess.is_nan() {
+            true => f64::INFINITY,
+            false => found.excess,
+        };
         if self.found[place].is_none_or(|known| excess > known.excess) {
-            self.found[place] = Some(PathExtreme {
-                kind,
-                joint,
-                source: self.source,
-                value,
-                limit,
-                excess,
-                time,
-            });
+            self.found[place] = Some(PathExtreme { excess, ..found });
         }
     }
 

@@ -59,6 +59,8 @@ fn resolved(kinematics: Kinematics, joints: Vec<JointEntry>, oracle: Value) -> C
         tcp: None,
         frames: Vec::new(),
         use_urdf_dynamics: false,
+        link_inertia: Vec::new(),
+        uncertainty: None,
     };
     let spec = description
         .resolve()
@@ -111,6 +113,7 @@ fn puma_joints() -> Vec<JointEntry> {
                         viscous: number("viscous"),
                         coulomb_positive: Some(coulomb[0]),
                         coulomb_negative: Some(-coulomb[1]),
+                        ..FrictionEntry::default()
                     }),
                     ..DriveEntry::default()
                 },

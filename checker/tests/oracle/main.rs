@@ -103,7 +103,8 @@ fn check_puma(case: &Case) {
         trial.compare(&tau, &state["tau_rigid"], "rigid-body torque");
         trial.arm.rotor_torque(&qdd, &mut tau);
         trial.compare(&tau, &state["tau_rotor"], "rotor torque");
-        trial.arm.friction_torque(&qd, &mut tau);
+        let Trial { arm, workspace, .. } = &mut trial;
+        arm.friction_torque(workspace, &q, &qd, &mut tau);
         trial.compare(&tau, &state["tau_friction"], "friction torque");
         let Trial { arm, workspace, .. } = &mut trial;
         arm.drive_torque(workspace, &q, &qd, &qdd, &qd, &mut tau);

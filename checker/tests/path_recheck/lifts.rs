@@ -55,6 +55,8 @@ struct State {
     q: [f64; 2],
     qd: [f64; 2],
     qdd: [f64; 2],
+    /// Which way the joints move, just after.
+    direction: [f64; 2],
     location: Location,
 }
 
@@ -113,7 +115,11 @@ impl Lifts {
     }
 
     pub(crate) fn recheck(&self, plan: &PathPlan) -> PathReport {
-        recheck_path(&self.spec, &self.request, plan, Density::Resolving)
+        self.recheck_as(plan, Density::Resolving)
+    }
+
+    pub(crate) fn recheck_as(&self, plan: &PathPlan, density: Density) -> PathReport {
+        recheck_path(&self.spec, &self.request, plan, density)
     }
 
     /// Limits that this motion just keeps.
@@ -241,6 +247,7 @@ impl Lifts {
             q: each(&|joint| STOPS[segment][joint] + part(joint) * way),
             qd: each(&|joint| part(joint) * rate / duration * moving),
             qdd: each(&|joint| part(joint) * gain / duration / duration * moving * moving),
+            direction: each(&|joint| if moving > 0.0 { part(joint) } else { 0.0 }),
             location: Location { segment, fraction: way },
         }
     }
@@ -249,9 +256,9 @@ impl Lifts {
     fn torque(&self, state: &State) -> [f64; 2] {
         let friction = &self.spec.joints[LOWER].drive.joint_friction;
         let rate = state.qd[LOWER];
-        let coulomb = match rate {
-            rate if rate > 0.0 => friction.coulomb_positive,
-            rate if rate < 0.0 => -friction.coulomb_negative,
+        let coulomb = match state.direction[LOWER] {
+            up if up > 0.0 => friction.coulomb_positive,
+            up if up < 0.0 => -friction.coulomb_negative,
             _ => 0.0,
         };
         let [lower, upper] = state.qdd;

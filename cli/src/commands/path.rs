@@ -45,7 +45,7 @@ pub(crate) struct PathArgs {
     robot_id: String,
     /// The program in YAML, TOML or JSON; - for standard input.
     program: String,
-    /// Pictures show degrees for joints that turn.
+    /// Tables and pictures show degrees for joints that turn.
     #[arg(long)]
     degrees: bool,
     /// A revision other than the current one.
@@ -111,6 +111,7 @@ fn request(args: &PathArgs, io: &mut Io) -> Result<v1::PlanPathRequest, Failure>
     request.revision = args.revision.clone().or(request.revision);
     request.torque_utilization = args.utilization.or(request.torque_utilization);
     request.speed_scale = args.speed_scale.or(request.speed_scale);
+    request.motor_setpoints = args.samples.motors.then_some(true).or(request.motor_setpoints);
     args.samples
         .apply(&args.output, &mut request.sample_period_s, &mut request.trace_points)?;
     Ok(request)
@@ -125,15 +126,15 @@ fn show(
     io: &mut Io,
 ) -> Result<(), Failure> {
     let output = &args.output;
+    let units = Units { degrees: args.degrees };
     if output.is_data() {
         output.print_setpoints(&plan.setpoints.clone().unwrap_or_default(), io)?;
     } else if !output.json {
-        io.print(&tables::plan(plan, used, robot, io.terminal))?;
+        io.print(&tables::plan(plan, used, robot, units, io.terminal))?;
     }
     if !output.draws() {
         return Ok(());
     }
-    let units = Units { degrees: args.degrees };
     let tightened = request.limits.as_ref().map_or(&[][..], |limits| &limits.joints);
     let curves = Curves::of_path(plan, robot, tightened, units)
         .ok_or_else(|| Failure::service("the reply came without samples, so there is nothing to draw"))?;

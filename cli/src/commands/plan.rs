@@ -120,6 +120,9 @@ pub(super) struct Samples {
     /// So many samples of the plan as it is. Default: 400 where a picture is drawn.
     #[arg(long, value_name = "COUNT")]
     trace: Option<u32>,
+    /// Also torque and current of the motors, with the friction of the revision; needs --sample-period.
+    #[arg(long)]
+    pub(super) motors: bool,
 }
 
 impl Samples {
@@ -271,6 +274,7 @@ fn request(args: &MoveArgs, robot: Option<&v1::Robot>, io: &mut Io) -> Result<v1
     request.torque_utilization = args.utilization.or(request.torque_utilization);
     request.speed_scale = args.speed_scale.or(request.speed_scale);
     request.cycle_time_s = args.cycle_time.or(request.cycle_time_s);
+    request.motor_setpoints = args.samples.motors.then_some(true).or(request.motor_setpoints);
     args.samples
         .apply(&args.output, &mut request.sample_period_s, &mut request.trace_points)?;
     Ok(request)

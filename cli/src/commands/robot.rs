@@ -33,7 +33,7 @@ A file of joints lists what a URDF does not know, by joint:
       rated_torque: 56
       gear_ratio: 101
       rotor_inertia_kg_m2: 1.1e-4
-      friction: [{side: JOINT, viscous: 8.0, coulomb_positive: 6.5}]")]
+      friction: [{side: JOINT, viscous: 8.0, coulomb_positive: 6.5, load_coulomb: 0.05, quadratic: 0.4}]")]
 pub(crate) struct RegisterArgs {
     /// Its name: a-z, 0-9, dot, underscore, hyphen.
     robot_id: String,

@@ -57,6 +57,12 @@ struct LimitArgs {
     /// Most set-points or trace points of one plan.
     #[arg(long, value_name = "COUNT", env = "TAKT_MAX_SETPOINTS")]
     max_setpoints: Option<usize>,
+    /// Most samples of one message of telemetry.
+    #[arg(long, value_name = "COUNT", env = "TAKT_MAX_TELEMETRY_SAMPLES")]
+    max_telemetry_samples: Option<usize>,
+    /// Most points of each trace of one rehearsal.
+    #[arg(long, value_name = "COUNT", env = "TAKT_MAX_TRACE_POINTS")]
+    max_trace_points: Option<usize>,
     /// Most requests in work at once.
     #[arg(long, value_name = "COUNT", env = "TAKT_MAX_CONCURRENT_REQUESTS")]
     max_concurrent_requests: Option<usize>,
@@ -146,6 +152,8 @@ impl ServeArgs {
         set(&mut config.limits.max_states, limits.max_states);
         set(&mut config.limits.max_trajectory_points, limits.max_trajectory_points);
         set(&mut config.limits.max_setpoints, limits.max_setpoints);
+        set(&mut config.limits.max_telemetry_samples, limits.max_telemetry_samples);
+        set(&mut config.limits.max_trace_points, limits.max_trace_points);
         set(
             &mut config.limits.max_concurrent_requests,
             limits.max_concurrent_requests,

@@ -12,12 +12,22 @@ const TIME: &str = "time_s";
 
 type Column = fn(&v1::JointColumns) -> &Vec<f64>;
 
-const QUANTITIES: [(&str, Column); 4] = [
+/// The first four are always there, the others where they were asked for.
+const QUANTITIES: [(&str, Column); 6] = [
     ("position", |joint| &joint.position),
     ("velocity", |joint| &joint.velocity),
     ("acceleration", |joint| &joint.acceleration),
     ("torque", |joint| &joint.torque),
+    ("motor_torque", |joint| &joint.motor_torque),
+    ("motor_current", |joint| &joint.motor_current_a),
 ];
+
+/// What stands in the columns of a joint.
+fn quantities(joint: &v1::JointColumns) -> impl Iterator<Item = (&'static str, Column)> {
+    let all = QUANTITIES.into_iter().enumerate();
+    let given = all.filter(|(index, (_, column))| *index < 4 || !column(joint).is_empty());
+    given.map(|(_, quantity)| quantity)
+}
 
 /// `time_s,JOINT.position,JOINT.velocity,JOINT.acceleration,JOINT.torque,…`; of a path also
 /// `segment,fraction,tool_speed_m_per_s`.
@@ -29,7 +39,7 @@ pub(crate) fn setpoints(setpoints: &v1::Setpoints) -> String {
 pub(crate) fn head(setpoints: &v1::Setpoints) -> String {
     let mut out = TIME.to_owned();
     for joint in &setpoints.joints {
-        for (name, _) in QUANTITIES {
+        for (name, _) in quantities(joint) {
             let _ = write!(out, ",{}", quoted(&format!("{}.{name}", joint.joint)));
         }
     }
@@ -52,7 +62,7 @@ pub(crate) fn rows(setpoints: &v1::Setpoints) -> String {
     for (index, time) in setpoints.time_s.iter().enumerate() {
         let _ = write!(out, "{time:?}");
         for joint in &setpoints.joints {
-            for (_, column) in QUANTITIES {
+            for (_, column) in quantities(joint) {
                 cell(&mut out, column(joint).get(index));
             }
         }
@@ -151,7 +161,7 @@ pub(crate) fn trajectory(text: &str, joints: &[String]) -> Result<v1::Trajectory
 }
 
 /// The cells of one line; cells never hold line breaks here.
-fn cells(line: &str) -> Vec<String> {
+pub(crate) fn cells(line: &str) -> Vec<String> {
     let mut cells = vec![String::new()];
     let mut inside = false;
     let mut characters = line.chars().peekable();

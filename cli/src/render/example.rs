@@ -49,6 +49,7 @@ fn columns(joint: &str, reach: f64, torque: f64) -> v1::JointColumns {
         velocity: [0.0, 1.0, 1.0, 1.0, 0.0].map(|part| part * reach).into(),
         acceleration: [4.0, 0.0, 0.0, 0.0, -4.0].map(|part| part * reach).into(),
         torque: [1.0, 0.5, 0.4, 0.3, -0.8].map(|part| part * torque).into(),
+        ..Default::default()
     }
 }
 

@@ -7,7 +7,7 @@ use takt_client::v1::{self, PathLimitKind, path_infeasible::Reason};
 use super::{
     plan::{margins, warnings},
     table::{Cell, Table, Tone, number, paint},
-    words::{self, Units},
+    words::{self, JointUnit, Units},
 };
 use crate::io::Terminal;
 
@@ -15,7 +15,13 @@ use crate::io::Terminal;
 const LISTED: usize = 12;
 
 /// A plan: what it takes, where the time goes, what is tightest.
-pub(crate) fn plan(plan: &v1::PathPlan, provenance: &v1::Provenance, robot: &v1::Robot, terminal: Terminal) -> String {
+pub(crate) fn plan(
+    plan: &v1::PathPlan,
+    provenance: &v1::Provenance,
+    robot: &v1::Robot,
+    units: Units,
+    terminal: Terminal,
+) -> String {
     let colour = terminal.colour;
     let mut out = String::new();
     let revision = format!(
@@ -31,7 +37,7 @@ pub(crate) fn plan(plan: &v1::PathPlan, provenance: &v1::Provenance, robot: &v1:
         segments(plan),
         blends(plan),
         costs(plan),
-        limits(plan),
+        limits(plan, robot, units),
         margins(&plan.torque_margins, robot),
     ];
     for table in tables.iter().filter(|table| !table.is_empty()) {
@@ -187,17 +193,33 @@ fn costs(plan: &v1::PathPlan) -> Table {
     table
 }
 
+/// The unit in which a limit is shown, and the factor from SI to it.
+fn unit_of(kind: PathLimitKind, joint: JointUnit) -> (&'static str, f64) {
+    match kind {
+        PathLimitKind::JointTorque => (joint.torque, 1.0),
+        PathLimitKind::JointVelocity => (joint.velocity, joint.factor),
+        PathLimitKind::JointAcceleration => (joint.acceleration, joint.factor),
+        PathLimitKind::JointJerk => (joint.jerk, joint.factor),
+        PathLimitKind::JointPositionLower | PathLimitKind::JointPositionUpper => (joint.position, joint.factor),
+        PathLimitKind::TcpVelocity | PathLimitKind::ToolSpeed => ("m/s", 1.0),
+        PathLimitKind::TcpAcceleration => ("m/s²", 1.0),
+        PathLimitKind::Rest | PathLimitKind::Unspecified => ("", 1.0),
+    }
+}
+
 /// The tightest moments of what is not torque, which has a table of its own.
-fn limits(plan: &v1::PathPlan) -> Table {
-    let mut table = Table::new(["limit", "peak", "allowed", "margin", "at [s]", "segment"]).numbers_from(1);
+fn limits(plan: &v1::PathPlan, robot: &v1::Robot, units: Units) -> Table {
+    let mut table = Table::new(["limit", "peak", "allowed", "unit", "margin", "at [s]", "segment"]).numbers_from(1);
     let uses = plan.limit_uses.iter();
     let uses = uses.filter(|one| one.kind() != PathLimitKind::JointTorque);
     for one in uses.take(LISTED) {
         let tone = if one.margin < 0.0 { Tone::Bad } else { Tone::Plain };
+        let (unit, factor) = unit_of(one.kind(), units.of(robot, &one.joint));
         table.row([
             Cell::from(limit(one.kind(), &one.joint)),
-            Cell::from(number(one.value, 5)),
-            Cell::from(number(one.limit, 5)),
+            Cell::from(number(factor * one.value, 5)),
+            Cell::from(number(factor * one.limit, 5)),
+            Cell::from(unit),
             Cell::new(format!("{:.1} %", 100.0 * one.margin), tone),
             Cell::from(format!("{:.3}", one.time_s)),
             Cell::from(place(one.location.as_ref())),
@@ -259,6 +281,7 @@ mod tests {
             &example::path(),
             &example::provenance(),
             &example::robot(),
+            Units::default(),
             example::PAPER,
         );
         for part in [
@@ -308,6 +331,7 @@ mod tests {
             &v1::PathPlan::default(),
             &v1::Provenance::default(),
             &v1::Robot::default(),
+            Units { degrees: true },
             example::PAPER,
         );
         evidence(&v1::PathInfeasible::default(), &v1::Robot::default(), true);

@@ -47,6 +47,8 @@ pub(crate) fn show(robot: &v1::Robot, colour: bool) -> String {
         "rotor [kg m²]",
         "friction: viscous",
         "Coulomb",
+        "of load",
+        "quadratic",
     ])
     .numbers_from(1);
     for joint in &robot.joints {
@@ -73,6 +75,8 @@ pub(crate) fn show(robot: &v1::Robot, colour: bool) -> String {
                 .map_or_else(dash, |value| format!("{value:e}")),
             sides(&drive, |friction| friction.viscous),
             sides(&drive, |friction| friction.coulomb_positive),
+            sides(&drive, |friction| friction.load_coulomb),
+            sides(&drive, |friction| friction.quadratic),
         ]);
     }
     out.push_str(&limits.render(colour));

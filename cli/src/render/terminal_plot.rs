@@ -41,7 +41,10 @@ pub(crate) fn render(curves: &Curves, width: usize, colour: bool) -> String {
         }
         out.push('\n');
     }
-    let legend = format!("{} limit in force", paint(LIMIT_SAMPLE, Tone::Bad, colour));
+    let legend = format!(
+        "{} limit in force; peaks in % of it",
+        paint(LIMIT_SAMPLE, Tone::Bad, colour)
+    );
     push_line(&mut out, &legend);
     out
 }
@@ -89,7 +92,7 @@ fn plot(time: &[f64], curve: &Curve, width: usize, colour: bool) -> Vec<Line> {
 
     let use_of_limit = curve
         .use_of_limit()
-        .map_or_else(String::new, |part| format!(", {:.1} % of limit", 100.0 * part));
+        .map_or_else(String::new, |part| format!(" ({:.1} %)", 100.0 * part));
     let peak = curve.peak().map_or(0.0, |(_, peak)| peak);
     let title = format!(
         "{}{} [{}]  peak {}{use_of_limit}",
@@ -278,8 +281,8 @@ mod tests {
     fn titles_name_quantity_unit_and_use() {
         let text = render(&curves(), 60, false);
         assert!(text.contains("turn\n"), "{text}");
-        assert!(text.contains("velocity [rad/s]  peak 1.500, 75.0 % of limit"), "{text}");
-        assert!(text.contains("torque [N]  peak -20.00, 40.0 % of limit"), "{text}");
+        assert!(text.contains("velocity [rad/s]  peak 1.500 (75.0 %)"), "{text}");
+        assert!(text.contains("torque [N]  peak -20.00 (40.0 %)"), "{text}");
     }
 
     #[test]

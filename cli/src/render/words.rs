@@ -14,6 +14,8 @@ pub(crate) struct Units {
 pub(crate) struct JointUnit {
     pub(crate) position: &'static str,
     pub(crate) velocity: &'static str,
+    pub(crate) acceleration: &'static str,
+    pub(crate) jerk: &'static str,
     pub(crate) torque: &'static str,
     /// From rad or m to what is shown.
     pub(crate) factor: f64,
@@ -31,24 +33,32 @@ impl Units {
             Some(v1::JointType::Prismatic) => JointUnit {
                 position: "m",
                 velocity: "m/s",
+                acceleration: "m/s²",
+                jerk: "m/s³",
                 torque: "N",
                 factor: 1.0,
             },
             Some(v1::JointType::Revolute | v1::JointType::Continuous) if self.degrees => JointUnit {
                 position: "deg",
                 velocity: "deg/s",
+                acceleration: "deg/s²",
+                jerk: "deg/s³",
                 torque: "N m",
                 factor: 1.0_f64.to_degrees(),
             },
             Some(v1::JointType::Revolute | v1::JointType::Continuous) => JointUnit {
                 position: "rad",
                 velocity: "rad/s",
+                acceleration: "rad/s²",
+                jerk: "rad/s³",
                 torque: "N m",
                 factor: 1.0,
             },
             _ => JointUnit {
                 position: "rad or m",
                 velocity: "rad/s or m/s",
+                acceleration: "rad/s² or m/s²",
+                jerk: "rad/s³ or m/s³",
                 torque: "N m or N",
                 factor: 1.0,
             },

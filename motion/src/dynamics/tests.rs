@@ -4,8 +4,8 @@ use super::path::PathTerms;
 use super::sweep::Sweep;
 use super::*;
 use crate::curve::CurvePoint;
-use crate::robot::spec::Inertial;
-use crate::test_arms::{random, random_arm, robot, values};
+use crate::robot::spec::{Friction, Inertial};
+use crate::test_arms::{loaded, planar, random, random_arm, robot, values};
 
 fn arm(count: usize, seed: u64) -> Robot {
     robot(random_arm(count, seed))
@@ -43,8 +43,9 @@ fn inverse_dynamics_is_the_mass_matrix_times_acceleration_plus_the_bias() {
 
 #[test]
 fn forward_dynamics_inverts_the_drive_torque() {
-    for count in [1, 4, 6, 32] {
-        let robot = arm(count, 11 + count as u64);
+    for (count, is_loaded) in [(1, false), (4, true), (6, false), (6, true), (32, true)] {
+        let spec = random_arm(count, 11 + count as u64);
+        let robot = robot(if is_loaded { loaded(spec) } else { spec });
         let ws = &mut Workspace::new(&robot);
         let state = &mut 3;
         let (q, qd, qdd) = (
@@ -224,4 +225,69 @@ fn a_singular_mass_matrix_is_refused() {
     spec.joints[1].drive.rotor_inertia = 0.0;
     let refusal = Robot::new(spec, Vec::new()).unwrap_err();
     assert!(refusal[0].message.contains("singular"), "{}", refusal[0]);
+}
+
+/// One link of 3 kg at 1 m in a world of 10 m/s²: gravity takes 30·cos q.
+#[test]
+fn friction_is_viscous_quadratic_and_of_coulomb_on_either_side_and_grows_with_the_load() {
+    let mut spec = planar();
+    spec.joints.truncate(1);
+    let drive = &mut spec.joints[0].drive;
+    drive.gear_ratio = -50.0;
+    let side = |size: f64| Friction {
+        viscous: 1e-3 * size,
+        coulomb_positive: 0.02 * size,
+        coulomb_negative: 0.03 * size,
+        load_coulomb: 0.04 * size,
+        quadratic: 1e-6 * size,
+        presliding_stiffness: Some(1e4),
+    };
+    (drive.motor_friction, drive.joint_friction) = (side(1.0), side(0.5));
+    let robot = robot(spec);
+    let ws = &mut Workspace::new(&robot);
+    for (q, qd) in [
+        (0.3, 1.7),
+        (0.3, -1.7),
+        (2.0, 0.6),
+        (2.0, -0.6),
+        (0.5 * std::f64::consts::PI, 1.0),
+        (0.1, 0.0),
+    ] {
+        let (sign, coulomb) = if qd > 0.0 {
+            (1.0, 50.0 * 0.02 + 0.01)
+        } else {
+            (-1.0, 50.0 * 0.03 + 0.015)
+        };
+        let load = 0.06 * (30.0 * libm::cos(q)).abs();
+        let moving = (2500.0 * 1e-3 + 5e-4) * qd + sign * ((125_000.0 * 1e-6 + 5e-7) * qd * qd + coulomb + load);
+        let expected = if qd == 0.0 { 0.0 } else { moving };
+        let mut friction = [0.0];
+        friction_torque(&robot, ws, &[q], &[qd], &mut friction);
+        assert!((friction[0] - expected).abs() < 1e-12, "{friction:?} {expected}");
+        // and it is what the drive gives beyond body and rotor
+        let (mut whole, mut rigid, mut rotor) = ([0.0], [0.0], [0.0]);
+        drive_torque(&robot, ws, &[q], &[qd], &[2.0], &mut whole);
+        rigid_torque(&robot, ws, &[q], &[qd], &[2.0], &mut rigid);
+        rotor_torque(&robot, &[2.0], &mut rotor);
+        assert!((whole[0] - rigid[0] - rotor[0] - expected).abs() < 1e-12, "{whole:?}");
+    }
+}
+
+/// A payload loads the gears as the links do.
+#[test]
+fn the_load_is_that_of_the_payload_too() {
+    let mut spec = planar();
+    spec.joints.truncate(1);
+    spec.joints[0].drive.joint_friction.load_coulomb = 0.1;
+    spec.link_from_tip = Isometry3::translation(1.0, 0.0, 0.0);
+    let bare = robot(spec);
+    let heavy = bare.with_payload(&Inertial {
+        mass: 2.0,
+        ..Inertial::zero()
+    });
+    for (robot, expected) in [(bare, 3.0), (heavy, 5.0)] {
+        let mut friction = [0.0];
+        friction_torque(&robot, &mut Workspace::new(&robot), &[0.0], &[0.2], &mut friction);
+        assert!((friction[0] - expected).abs() < 1e-12, "{friction:?}");
+    }
 }

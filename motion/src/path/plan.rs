@@ -90,22 +90,35 @@ impl TimedRun {
 /// A request that is wrong, or a budget that ended. A program that cannot be run is not an error: it is an outcome.
 pub fn plan_path(robot: &Robot, request: &PathRequest, budget: &Budget<'_>) -> Result<PathOutcome, Failure> {
     let problem = Problem::new(robot, request)?;
+    let runs = match timed(&problem, request, budget)? {
+        Ok(runs) => runs,
+        Err(infeasible) => return Ok(PathOutcome::Infeasible(infeasible)),
+    };
+    let plan = answer::assemble(&problem, request, runs, budget)?;
+    Ok(PathOutcome::Plan(Box::new(plan)))
+}
+
+/// Times and verifies a program.
+pub(super) fn timed(
+    problem: &Problem,
+    request: &PathRequest,
+    budget: &Budget<'_>,
+) -> Result<Result<Runs, PathInfeasible>, Failure> {
     let cycle = match request.sampling {
         Sampling::Period(period) => Some(period),
         Sampling::None | Sampling::Trace(_) => None,
     };
     let runs = match request.timing {
-        Timing::Optimal => fastest(&problem, request, cycle, budget)?,
-        Timing::ConstantSpeed => constant::at_constant_speed(&problem, request, cycle, budget)?,
+        Timing::Optimal => fastest(problem, request, cycle, budget)?,
+        Timing::ConstantSpeed => constant::at_constant_speed(problem, request, cycle, budget)?,
     };
     let mut runs = match runs {
         Ok(runs) => runs,
-        Err(infeasible) => return Ok(PathOutcome::Infeasible(infeasible)),
+        Err(infeasible) => return Ok(Err(infeasible)),
     };
     check_duration(runs.duration(), cycle)?;
     runs.warnings.splice(0..0, problem.warnings.iter().cloned());
-    let plan = answer::assemble(&problem, request, runs, budget)?;
-    Ok(PathOutcome::Plan(Box::new(plan)))
+    Ok(Ok(runs))
 }
 
 /// Times every stroke of the program as fast as its limits allow.

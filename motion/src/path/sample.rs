@@ -46,19 +46,21 @@ pub(super) fn setpoints(
     Ok(Some(setpoints))
 }
 
-struct Sampler<'a> {
+pub(super) struct Sampler<'a> {
     problem: &'a Problem,
     runs: &'a [TimedRun],
     start: &'a [f64],
     /// Where the arm stands after each stroke.
     rests: Vec<Vec<f64>>,
     sweep: Sweep,
-    state: State,
+    /// Which way the joints move, laid out as the sweep's columns are.
+    directions: Vec<f64>,
+    pub(super) state: State,
     setpoints: PathSetpoints,
 }
 
 impl<'a> Sampler<'a> {
-    fn new(problem: &'a Problem, request: &'a PathRequest, runs: &'a [TimedRun]) -> Self {
+    pub(super) fn new(problem: &'a Problem, request: &'a PathRequest, runs: &'a [TimedRun]) -> Self {
         let count = problem.robot.joint_count();
         Self {
             problem,
@@ -66,6 +68,7 @@ impl<'a> Sampler<'a> {
             start: &request.start,
             rests: runs.iter().map(|run| run.rest(request)).collect(),
             sweep: Sweep::default(),
+            directions: Vec::new(),
             state: State::new(count),
             setpoints: PathSetpoints {
                 samples: Setpoints {
@@ -81,6 +84,7 @@ impl<'a> Sampler<'a> {
     fn block(&mut self, times: &[f64]) {
         let count = self.problem.robot.joint_count();
         self.sweep.reset(count, times.len());
+        self.directions.resize(self.sweep.column(count), 0.0);
         for (sample, time) in times.iter().enumerate() {
             let location = self.set(*time);
             let state = &self.state;
@@ -98,6 +102,7 @@ impl<'a> Sampler<'a> {
                 self.sweep.position[entry] = state.position[joint];
                 self.sweep.velocity[entry] = state.velocity[joint];
                 self.sweep.acceleration[entry] = state.acceleration[joint];
+                self.directions[entry] = state.direction[joint];
             }
         }
         self.sweep.compute(self.problem.robot.chain());
@@ -109,14 +114,15 @@ impl<'a> Sampler<'a> {
                 columns.position.push(self.sweep.position[entry]);
                 columns.velocity.push(velocity);
                 columns.acceleration.push(acceleration);
-                let drives = drive.armature * acceleration + drive.friction(velocity);
+                let friction = drive.friction_towards(velocity, self.directions[entry], self.sweep.gravity[entry]);
+                let drives = drive.armature * acceleration + friction;
                 columns.torque.push(self.sweep.torque[entry] + drives);
             }
         }
     }
 
     /// Sets the state at a time, and says where it is. A time that a rounding separates from a stop is the stop's.
-    fn set(&mut self, time: f64) -> Location {
+    pub(super) fn set(&mut self, time: f64) -> Location {
         let slack = SAMPLE_AT_STOP * self.runs.last().map_or(0.0, TimedRun::end);
         let after = self.runs.partition_point(|run| run.begin <= time + slack);
         let Some((run, rest)) = after

@@ -1,10 +1,13 @@
 mod arc;
+mod confident;
 mod constant;
+mod friction;
 mod hostile;
 mod joint;
 mod mixed;
 mod plan;
 mod spline;
+mod stated;
 mod support;
 mod tool;
 mod verified;

@@ -7,11 +7,17 @@
 //! ```
 //!
 //! and from there to torques by inverse dynamics and to the tool by its own recursion. Of the planner's terms along the
-//! path it uses none. Every interval of the time law is sampled [`PARTS`] times, on both of its ends from within, where
-//! accelerations may jump, and halved until that shows how they vary; between samples every maximum that might be the
-//! largest is found by parabolas; where a joint turns back, its friction is taken on either side.
+//! path it uses none. Every interval of the time law, of the path between its knots, and of its limits is sampled
+//! [`PARTS`] times, on both of its ends from within, where accelerations may jump, and halved until that shows how they
+//! vary; it ends where the load of a friction passes zero ([`kinks`]). Between samples every maximum that might be the
+//! largest is searched for ([`extremes`]), with the friction of either side where a joint turns back.
 
 mod channels;
+mod extremes;
+mod intervals;
+mod kinks;
+mod loads;
+mod maxima;
 mod state;
 
 use nalgebra::Isometry3;
@@ -19,16 +25,16 @@ use nalgebra::Isometry3;
 use super::outcome::PathLimit;
 use crate::budget::{Budget, Stopped};
 use crate::curve::{Curve, Side};
+use crate::dynamics::Workspace;
 use crate::dynamics::sweep::Sweep;
-use crate::dynamics::{self, Workspace};
-use crate::kinematics::{self, ToolMotion};
 use crate::plan::outcome::OverrideSafety;
 use crate::robot::Robot;
 use crate::timing::law::TimeLaw;
-use crate::timing::limits::{Limits, Stretch};
-use crate::tolerance::REFINE_GAIN;
+use crate::timing::limits::Limits;
 use crate::verify::{JointDemand, Point, overrides};
-use channels::{Channels, fill};
+use channels::Channels;
+use extremes::Span;
+use intervals::breaks;
 pub(super) use state::State;
 
 /// Samples of an interval of the time law, less one.
@@ -36,26 +42,6 @@ const PARTS: usize = 10;
 
 /// Intervals computed at once: it bounds the scratch memory.
 const BLOCK: usize = 48;
-
-/// How far inside an interval its ends are sampled, as part of it.
-const INSIDE: f64 = 1.0e-9;
-
-/// Rounds of parabolas on a maximum between samples.
-const ROUNDS: usize = 4;
-
-/// An interval is halved where an acceleration bends from sample to sample by more than this part of its limit: a
-/// parabola then still shows the extreme to a thousandth, from where it is followed.
-const SPLIT_BEND: f64 = 0.02;
-
-/// Smallest scale of a joint's acceleration without a limit, as part of the largest of all: below is rounding.
-const SPLIT_FLOOR: f64 = 1.0e-3;
-
-/// Path speed that is rest at an end, as part of the mean speed: the root of a place's rounding.
-const AT_REST: f64 = 1.0e-6;
-
-/// Most times an interval is halved, and most intervals of a block after it: they bound the work.
-const SPLIT_ROUNDS: usize = 8;
-const SPLIT_MOST: usize = 8 * BLOCK;
 
 /// A path and when it is where.
 #[derive(Clone, Copy)]
@@ -118,7 +104,7 @@ pub(super) fn examine(
     budget: &Budget<'_>,
 ) -> Result<Examined, Stopped> {
     let mut examiner = Examiner::new(robot, tcp, timed, ranges);
-    let breaks = timed.law.times();
+    let breaks = breaks(timed);
     let mut first = 0;
     while first + 1 < breaks.len() {
         budget.check()?;
@@ -126,7 +112,7 @@ pub(super) fn examine(
         examiner.block(&breaks[first..=last]);
         first = last;
     }
-    Ok(examiner.finish())
+    examiner.finish(budget)
 }
 
 struct Examiner<'a> {
@@ -137,7 +123,10 @@ struct Examiner<'a> {
     sweep: Sweep,
     state: State,
     torque: Vec<f64>,
+    gravity: Vec<f64>,
     workspace: Workspace,
+    /// Which way the joints move at the samples of a block, laid out as the sweep's columns are.
+    directions: Vec<f64>,
     /// Values of every limit at the samples of a block, sample by sample.
     values: Vec<f64>,
     places: Vec<f64>,
@@ -145,6 +134,8 @@ struct Examiner<'a> {
     examined: Examined,
     /// Index into `examined.tightest` by channel.
     known: Vec<Option<usize>>,
+    /// By channel, where values between samples may be above all that is known.
+    candidates: Vec<Vec<Span>>,
     worst: Option<overrides::Worst>,
 }
 
@@ -163,7 +154,9 @@ impl<'a> Examiner<'a> {
             sweep: Sweep::default(),
             state: State::new(count),
             torque: vec![0.0; count],
+            gravity: vec![0.0; count],
             workspace: Workspace::new(robot),
+            directions: Vec::new(),
             values: Vec::new(),
             places: Vec::new(),
             times: Vec::new(),
@@ -175,165 +168,22 @@ impl<'a> Examiner<'a> {
                 override_safe: None,
             },
             known: vec![None; channels.count()],
+            candidates: vec![Vec::new(); channels.count()],
             worst: None,
         }
     }
 
     /// Samples and examines some intervals, given by their ends.
     fn block(&mut self, breaks: &[f64]) {
-        let mut breaks = breaks.to_vec();
-        self.sample(&breaks);
-        for _ in 0..SPLIT_ROUNDS {
-            if !self.halve(&mut breaks) {
-                break;
-            }
-            self.sample(&breaks);
-        }
+        let mut breaks = self.sample_finely(breaks);
         self.sweep.compute(self.robot.chain());
+        if self.robot.is_loaded() && self.divide(&mut breaks) {
+            self.sample(&breaks);
+            self.sweep.compute(self.robot.chain());
+        }
         self.add_torques(self.times.len());
         for (interval, ends) in breaks.windows(2).enumerate() {
             self.interval(interval * (PARTS + 1), ends);
-        }
-    }
-
-    /// Halves the intervals whose samples are too few to show how an acceleration varies; false where none is.
-    fn halve(&self, breaks: &mut Vec<f64>) -> bool {
-        let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, a| most.max(a.abs()));
-        let floor = SPLIT_FLOOR * largest(&self.sweep.acceleration);
-        let scales: Vec<f64> = (0..self.robot.joint_count())
-            .map(|joint| largest(self.accelerations(joint)).max(floor))
-            .collect();
-        let intervals = 0..breaks.len() - 1;
-        let coarse: Vec<bool> = intervals.map(|interval| self.is_coarse(interval, &scales)).collect();
-        if breaks.len() > SPLIT_MOST || coarse.iter().all(|coarse| !coarse) {
-            return false;
-        }
-        let halves = breaks.windows(2).zip(&coarse).flat_map(|(ends, coarse)| {
-            let middle = coarse.then_some(0.5 * (ends[0] + ends[1]));
-            std::iter::once(ends[0]).chain(middle)
-        });
-        *breaks = halves.chain(breaks.last().copied()).collect();
-        true
-    }
-
-    /// Whether some joint's acceleration bends between the samples of an interval by more than a part of its limit; of
-    /// its scale here, where it has none.
-    fn is_coarse(&self, interval: usize, scales: &[f64]) -> bool {
-        let first = interval * (PARTS + 1);
-        let stretches = &self.timed.limits.stretches;
-        let stretch = &stretches[self
-            .timed
-            .limits
-            .stretch_at(self.places[first + PARTS / 2], Side::After)];
-        scales.iter().enumerate().any(|(joint, scale)| {
-            let allowed = SPLIT_BEND * stretch.joints[joint].acceleration.unwrap_or(*scale);
-            let samples = &self.accelerations(joint)[first..=first + PARTS];
-            let mut bends = samples.windows(3).map(|three| three[2] - 2.0 * three[1] + three[0]);
-            bends.any(|bend| bend.abs() > allowed)
-        })
-    }
-
-    /// The sampled accelerations of a joint.
-    fn accelerations(&self, joint: usize) -> &[f64] {
-        let column = self.sweep.column(joint);
-        &self.sweep.acceleration[column..column + self.times.len()]
-    }
-
-    /// Samples the states of some intervals.
-    fn sample(&mut self, breaks: &[f64]) {
-        let count = self.robot.joint_count();
-        let samples = (breaks.len() - 1) * (PARTS + 1);
-        let bounds_tool = self.timed.limits.bound_the_tool();
-        let channels = self.channels.count();
-        self.sweep.reset(count, samples);
-        self.values.clear();
-        self.values.resize(samples * channels, 0.0);
-        self.places.clear();
-        self.times.clear();
-        for (interval, ends) in breaks.windows(2).enumerate() {
-            for part in 0..=PARTS {
-                let sample = interval * (PARTS + 1) + part;
-                let (time, side) = moment(ends, part);
-                self.state.set(self.timed.curve, self.timed.law, time, side);
-                for joint in 0..count {
-                    let entry = self.sweep.column(joint) + sample;
-                    self.sweep.position[entry] = self.state.position[joint];
-                    self.sweep.velocity[entry] = self.state.velocity[joint];
-                    self.sweep.acceleration[entry] = self.state.acceleration[joint];
-                }
-                let tool = bounds_tool.then(|| self.tool());
-                fill(
-                    &self.state,
-                    tool,
-                    &mut self.values[sample * channels..(sample + 1) * channels],
-                );
-                self.places.push(self.state.s);
-                self.times.push(time);
-            }
-        }
-    }
-
-    fn tool(&self) -> ToolMotion {
-        let state = &self.state;
-        kinematics::tool_motion(
-            self.robot,
-            &state.position,
-            &state.velocity,
-            &state.acceleration,
-            self.tcp,
-        )
-    }
-
-    /// Completes the rigid bodies' torques by the drives', and keeps what slower overrides need.
-    fn add_torques(&mut self, samples: usize) {
-        let channels = self.channels.count();
-        let limits = self.timed.limits;
-        let mut points = Vec::new();
-        for (joint, drive) in self.robot.drives().iter().enumerate() {
-            for sample in 0..samples {
-                let entry = self.sweep.column(joint) + sample;
-                let (velocity, acceleration) = (self.sweep.velocity[entry], self.sweep.acceleration[entry]);
-                let gravity = self.sweep.gravity[entry];
-                let point = Point {
-                    joint,
-                    time: self.timed.begin + self.times[sample],
-                    segment: 0,
-                    dynamic: self.sweep.torque[entry] - gravity + drive.armature * acceleration,
-                    viscous: drive.viscous * velocity,
-                    still: gravity + drive.coulomb(velocity),
-                    gravity,
-                };
-                let torque = point.torque(1.0);
-                self.values[sample * channels + Channels::torque(joint)] = torque;
-                let demand = &mut self.examined.demands[joint];
-                if torque.abs() > demand.peak_torque.abs() {
-                    (demand.peak_torque, demand.time) = (torque, point.time);
-                }
-                demand.peak_velocity = demand.peak_velocity.max(velocity.abs());
-                demand.peak_power = demand.peak_power.max((torque * velocity).abs());
-                let before = sample % (PARTS + 1) != 0;
-                if before {
-                    let step = self.times[sample] - self.times[sample - 1];
-                    let last = self.values[(sample - 1) * channels + Channels::torque(joint)];
-                    // Simpson's rule would need the middle; at eleven samples the trapezoid is as true as it need be
-                    demand.torque_squared += 0.5 * step * (torque * torque + last * last);
-                }
-                points.push(point);
-            }
-        }
-        // a joint's limit may differ from stretch to stretch: the tightest one is taken for all
-        let tightest = |joint: usize| {
-            let stretches = limits.stretches.iter();
-            stretches
-                .filter_map(|stretch| stretch.joints[joint].torque)
-                .fold(f64::INFINITY, f64::min)
-        };
-        let worst = overrides::tightest(points.iter(), &tightest);
-        if let Some(worst) = worst
-            && worst.ratio.is_finite()
-            && self.worst.as_ref().is_none_or(|known| worst.ratio > known.ratio)
-        {
-            self.worst = Some(worst);
         }
     }
 
@@ -351,12 +201,9 @@ impl<'a> Examiner<'a> {
             let value = |part: usize| self.values[(first + part) * self.channels.count() + channel];
             let ratios: [f64; PARTS + 1] = std::array::from_fn(|part| self.channels.ratio(channel, value(part), limit));
             let top = (0..=PARTS).fold(0, |top, part| if ratios[part] > ratios[top] { part } else { top });
-            let known = self.known[channel].map_or(f64::NEG_INFINITY, |known| self.examined.tightest[known].ratio);
             let found = (value(top), self.times[first + top], self.places[first + top]);
             self.keep(channel, limit, found);
-            if bound(&ratios, top) > known.max(ratios[top]) + REFINE_GAIN {
-                self.refine(channel, limit, first, top);
-            }
+            self.consider(channel, limit, first);
             let ranged = matches!(
                 self.channels.of(channel).0,
                 PathLimit::PositionLower | PathLimit::PositionUpper
@@ -364,9 +211,6 @@ impl<'a> Examiner<'a> {
             if !ranged && ruling.is_none_or(|(ratio, _)| ratios[top] > ratio) {
                 ruling = Some((ratios[top], channel));
             }
-        }
-        for joint in 0..self.robot.joint_count() {
-            self.turning(joint, first, stretch);
         }
         if let Some((_, channel)) = ruling {
             let (kind, joint) = self.channels.of(channel);
@@ -411,106 +255,9 @@ impl<'a> Examiner<'a> {
         }
     }
 
-    /// Follows a maximum between the samples on both sides of `top`, by parabolas.
-    fn refine(&mut self, channel: usize, limit: f64, first: usize, top: usize) {
-        let middle = first + top.clamp(1, PARTS - 1);
-        let mut times = [middle - 1, middle, middle + 1].map(|sample| self.times[sample]);
-        let mut ratios = [middle - 1, middle, middle + 1].map(|sample| {
-            let value = self.values[sample * self.channels.count() + channel];
-            self.channels.ratio(channel, value, limit)
-        });
-        for _ in 0..ROUNDS {
-            let Some(time) = parabola_top(times, ratios) else {
-                return;
-            };
-            let value = self.value_at(channel, time);
-            let s = self.state.s;
-            self.keep(channel, limit, (value, time, s));
-            let ratio = self.channels.ratio(channel, value, limit);
-            if time < times[1] {
-                (times, ratios) = ([times[0], time, times[1]], [ratios[0], ratio, ratios[1]]);
-            } else {
-                (times, ratios) = ([times[1], time, times[2]], [ratios[1], ratio, ratios[2]]);
-            }
-        }
-    }
-
-    /// The value of one channel at one time.
-    fn value_at(&mut self, channel: usize, time: f64) -> f64 {
-        self.state.set(self.timed.curve, self.timed.law, time, Side::After);
-        let (kind, joint) = self.channels.of(channel);
-        let state = &self.state;
-        match (kind, joint) {
-            (PathLimit::Torque, Some(joint)) => {
-                dynamics::drive_torque(
-                    self.robot,
-                    &mut self.workspace,
-                    &state.position,
-                    &state.velocity,
-                    &state.acceleration,
-                    &mut self.torque,
-                );
-                self.torque[joint]
-            }
-            (PathLimit::Velocity, Some(joint)) => state.velocity[joint],
-            (PathLimit::Acceleration, Some(joint)) => state.acceleration[joint],
-            (PathLimit::Jerk, Some(joint)) => state.jerk[joint],
-            (PathLimit::PositionLower | PathLimit::PositionUpper, Some(joint)) => state.position[joint],
-            (PathLimit::ToolVelocity, _) => self.tool().velocity.norm(),
-            _ => self.tool().acceleration.norm(),
-        }
-    }
-
-    /// Where a joint turns back between two samples, friction acts first against one direction, then against the other.
-    fn turning(&mut self, joint: usize, first: usize, stretch: &Stretch) {
-        let Some(limit) = stretch.joints[joint].torque else {
-            return;
-        };
-        let drive = self.robot.drives()[joint];
-        for sample in first..first + PARTS {
-            let column = self.sweep.column(joint);
-            let (before, after) = (
-                self.sweep.velocity[column + sample],
-                self.sweep.velocity[column + sample + 1],
-            );
-            if before * after >= 0.0 {
-                continue;
-            }
-            let part = before / (before - after);
-            let time = self.times[sample] + part * (self.times[sample + 1] - self.times[sample]);
-            let channel = Channels::torque(joint);
-            let torque = self.value_at(channel, time) - drive.coulomb(self.state.velocity[joint]);
-            for direction in [1.0, -1.0] {
-                let found = (torque + drive.coulomb(direction), time, self.state.s);
-                self.keep(channel, limit, found);
-            }
-        }
-    }
-
-    /// Looks at the arm held still where the path begins and ends, without the help of friction.
-    fn hold(&mut self) {
-        let duration = self.timed.law.duration();
-        let limits = self.timed.limits;
-        let slow = AT_REST * self.timed.curve.length();
-        for (time, side) in [(0.0, Side::After), (duration, Side::Before)] {
-            if self.timed.law.at(time).velocity * duration > slow {
-                continue;
-            }
-            self.state.set(self.timed.curve, self.timed.law, time, side);
-            let s = self.state.s;
-            dynamics::gravity_torque(self.robot, &mut self.workspace, &self.state.position, &mut self.torque);
-            let stretch = &limits.stretches[limits.stretch_at(s, side)];
-            for joint in 0..self.robot.joint_count() {
-                let channel = Channels::torque(joint);
-                if let Some(limit) = self.channels.limit(channel, stretch) {
-                    self.keep(channel, limit, (self.torque[joint], time, s));
-                }
-            }
-        }
-    }
-
-    fn finish(mut self) -> Examined {
+    fn finish(mut self, budget: &Budget<'_>) -> Result<Examined, Stopped> {
         self.hold();
+        self.follow(budget)?;
         let of_torque = |tightest: &&Tightest| tightest.kind == PathLimit::Torque;
         let torques = self.examined.tightest.iter().filter(of_torque);
         let worst = torques.fold(None::<Tightest>, |worst, tightest| match worst {
@@ -527,70 +274,6 @@ impl<'a> Examiner<'a> {
                     .fold(f64::INFINITY, f64::min),
             )
         });
-        self.examined
+        Ok(self.examined)
     }
-
-    /// A torque by how it scales with speed.
-    fn split(&mut self, tightest: &Tightest) -> Option<Point> {
-        let joint = tightest.joint?;
-        let channel = Channels::torque(joint);
-        let total = self.value_at(channel, tightest.time - self.timed.begin);
-        let mut gravity = vec![0.0; self.torque.len()];
-        dynamics::gravity_torque(self.robot, &mut self.workspace, &self.state.position, &mut gravity);
-        let drive = self.robot.drives()[joint];
-        let velocity = self.state.velocity[joint];
-        if tightest.value == gravity[joint] {
-            // held still: no speed makes it less
-            return Some(Point {
-                joint,
-                time: tightest.time,
-                segment: 0,
-                dynamic: 0.0,
-                viscous: 0.0,
-                still: tightest.value,
-                gravity: tightest.value,
-            });
-        }
-        let viscous = drive.viscous * velocity;
-        // friction may act the other way than at the sample, where the joint turns back just there
-        let coulomb = tightest.value - total + drive.coulomb(velocity);
-        Some(Point {
-            joint,
-            time: tightest.time,
-            segment: 0,
-            dynamic: tightest.value - coulomb - viscous - gravity[joint],
-            viscous,
-            still: gravity[joint] + coulomb,
-            gravity: gravity[joint],
-        })
-    }
-}
-
-/// When an interval is sampled, and from which side.
-fn moment(ends: &[f64], part: usize) -> (f64, Side) {
-    let length = ends[1] - ends[0];
-    match part {
-        0 => (ends[0] + INSIDE * length, Side::After),
-        PARTS => (ends[1] - INSIDE * length, Side::Before),
-        _ => (ends[0] + length * part as f64 / PARTS as f64, Side::After),
-    }
-}
-
-/// How high samples' maximum may reach between them: a parabola through three rises above them by at most an eighth of
-/// their second difference.
-fn bound(ratios: &[f64; PARTS + 1], top: usize) -> f64 {
-    let middle = top.clamp(1, PARTS - 1);
-    let bend = 2.0 * ratios[middle] - ratios[middle - 1] - ratios[middle + 1];
-    ratios[top] + bend.max(0.0) / 8.0
-}
-
-/// Where the parabola through three points has its top; `None` where it has none between them, or at the middle.
-fn parabola_top(t: [f64; 3], y: [f64; 3]) -> Option<f64> {
-    let (left, right) = ((y[1] - y[0]) / (t[1] - t[0]), (y[2] - y[1]) / (t[2] - t[1]));
-    let curvature = (right - left) / (t[2] - t[0]);
-    if curvature.is_nan() || curvature >= 0.0 {
-        return None;
-    }
-    let time = 0.5 * (t[0] + t[1]) - 0.5 * left / curvature;
-    (time > t[0] && time < t[2] && time != t[1]).then_some(time)
 }

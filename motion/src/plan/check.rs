@@ -32,7 +32,7 @@ pub fn check_trajectory(robot: &Robot, request: &CheckRequest, budget: &Budget<'
     let mut wrong = Vec::new();
     check_part("torque_utilization", request.torque_utilization, &mut wrong);
     let limits = limits_in_force(robot, &request.limits, request.torque_utilization, &mut wrong);
-    let interpolation = check_points(robot, request, &mut wrong);
+    let interpolation = check_points(robot, &request.points, request.interpolation, &mut wrong);
     let (Some(interpolation), true) = (interpolation, wrong.is_empty()) else {
         return Err(Failure::Invalid(wrong));
     };
@@ -73,9 +73,29 @@ pub fn check_trajectory(robot: &Robot, request: &CheckRequest, budget: &Budget<'
     })
 }
 
+/// The motion that a trajectory made elsewhere means.
+pub(crate) fn read_trajectory(
+    robot: &Robot,
+    points: &[TrajectoryPoint],
+    interpolation: Option<Interpolation>,
+) -> Result<Trajectory, Failure> {
+    let mut wrong = Vec::new();
+    let interpolation = check_points(robot, points, interpolation, &mut wrong);
+    let (Some(interpolation), true) = (interpolation, wrong.is_empty()) else {
+        return Err(Failure::Invalid(wrong));
+    };
+    let motion = interpolate(points, interpolation);
+    check_travel(points, &motion)?;
+    Ok(motion)
+}
+
 /// Checks the points of a trajectory, and settles how to read between them.
-fn check_points(robot: &Robot, request: &CheckRequest, wrong: &mut Vec<Invalid>) -> Option<Interpolation> {
-    let points = &request.points;
+fn check_points(
+    robot: &Robot,
+    points: &[TrajectoryPoint],
+    interpolation: Option<Interpolation>,
+    wrong: &mut Vec<Invalid>,
+) -> Option<Interpolation> {
     if !(2..=TRAJECTORY_POINTS_MAX).contains(&points.len()) {
         let message = format!(
             "{} points, a trajectory has from 2 to {TRAJECTORY_POINTS_MAX}",
@@ -87,7 +107,7 @@ fn check_points(robot: &Robot, request: &CheckRequest, wrong: &mut Vec<Invalid>)
     let all = |given: &dyn Fn(&TrajectoryPoint) -> bool| points.iter().all(given);
     let with_velocity = all(&|point| !point.velocity.is_empty());
     let with_acceleration = with_velocity && all(&|point| !point.acceleration.is_empty());
-    let interpolation = request.interpolation.or(match (with_velocity, with_acceleration) {
+    let interpolation = interpolation.or(match (with_velocity, with_acceleration) {
         (true, true) => Some(Interpolation::Quintic),
         (true, false) => Some(Interpolation::Cubic),
         (false, _) => None,

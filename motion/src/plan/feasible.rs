@@ -28,6 +28,7 @@ pub(super) fn check_holding(problem: &Problem) -> Option<Infeasible> {
         .map(|(location, joint, needed, limit)| {
             let pose = if location == 0.0 { "start" } else { "target" };
             let what = format!("hold the {pose} pose");
+            let rest = Rest::of(problem, joint, 0.0, needed, needed);
             refuse(
                 problem,
                 InfeasibleReason::HoldingTorque,
@@ -36,7 +37,7 @@ pub(super) fn check_holding(problem: &Problem) -> Option<Infeasible> {
                 location,
                 needed,
                 limit,
-                needed,
+                &rest,
             )
         })
 }
@@ -57,6 +58,7 @@ pub(super) fn moving(
         needed
     };
     let reason = InfeasibleReason::MovingTorque;
+    let rest = Rest::of(problem, joint, problem.displacement[joint], needed, gravity);
     refuse(
         problem,
         reason,
@@ -65,7 +67,7 @@ pub(super) fn moving(
         location,
         needed,
         available,
-        gravity,
+        &rest,
     )
 }
 
@@ -75,6 +77,8 @@ pub(super) fn never_slow_enough(problem: &Problem, peak: &Peak, duration: f64) -
     let available = problem.limits[peak.joint].torque.unwrap_or(f64::INFINITY);
     let gravity = gravity_at(problem, location)[peak.joint];
     let reason = InfeasibleReason::NoFeasibleSpeed;
+    let direction = problem.displacement[peak.joint];
+    let rest = Rest::of(problem, peak.joint, direction, peak.torque, gravity);
     let mut refusal = refuse(
         problem,
         reason,
@@ -83,7 +87,7 @@ pub(super) fn never_slow_enough(problem: &Problem, peak: &Peak, duration: f64) -
         location,
         peak.torque,
         available,
-        gravity,
+        &rest,
     );
     refusal.time = peak.time;
     refusal
@@ -102,6 +106,7 @@ pub(super) fn no_speed(problem: &Problem) -> Infeasible {
         .unwrap_or(0);
     let available = problem.limits[joint].torque.unwrap_or(f64::INFINITY);
     let reason = InfeasibleReason::NoFeasibleSpeed;
+    let rest = Rest::of(problem, joint, 0.0, gravity[joint], gravity[joint]);
     refuse(
         problem,
         reason,
@@ -110,7 +115,7 @@ pub(super) fn no_speed(problem: &Problem) -> Infeasible {
         0.5,
         gravity[joint],
         available,
-        gravity[joint],
+        &rest,
     )
 }
 
@@ -123,14 +128,14 @@ fn refuse(
     location: f64,
     needed: f64,
     available: f64,
-    gravity_torque: f64,
+    rest: &Rest,
 ) -> Infeasible {
     let spec = &problem.robot.spec().joints[joint];
     let unit = match spec.kind {
         crate::robot::spec::JointKind::Prismatic => "N",
         _ => "N m",
     };
-    let feasible_payload = feasible_payload(problem, joint, location, needed - gravity_torque, available);
+    let feasible_payload = feasible_payload(problem, joint, location, rest, available);
     let mut ways = vec![format!(
         "allow joint \"{}\" at least {:.4} {unit} to {what}",
         spec.name,
@@ -156,15 +161,45 @@ fn refuse(
         location,
         needed,
         available,
-        gravity_torque,
+        gravity_torque: rest.gravity,
         suggestion: ways.join(", or "),
         feasible_payload,
     }
 }
 
-/// The largest mass of the payload, its centre where it is, with which gravity and the given rest stay within a limit;
-/// `None` where not even none would do, or where it is not the payload's fault.
-fn feasible_payload(problem: &Problem, joint: usize, location: f64, rest: f64, available: f64) -> Option<f64> {
+/// A torque by what of it goes with gravity: g + κ·|g| + rest.
+struct Rest {
+    gravity: f64,
+    /// κ: what friction takes of the load, with the sign of the motion.
+    load: f64,
+    rest: f64,
+}
+
+impl Rest {
+    /// Of a torque of a joint that moves in a direction; 0 where it is held still.
+    fn of(problem: &Problem, joint: usize, direction: f64, torque: f64, gravity: f64) -> Self {
+        let drive = &problem.robot.drives()[joint];
+        let load = if direction == 0.0 {
+            0.0
+        } else {
+            drive.load_coulomb * direction.signum()
+        };
+        Self {
+            gravity,
+            load,
+            rest: torque - gravity - load * gravity.abs(),
+        }
+    }
+
+    /// The torque under another gravity torque.
+    fn under(&self, gravity: f64) -> f64 {
+        gravity + self.load * gravity.abs() + self.rest
+    }
+}
+
+/// The largest mass of the payload, its centre where it is, with which gravity, friction of its load and the given rest stay
+/// within a limit; `None` where not even none would do, or where it is not the payload's fault.
+fn feasible_payload(problem: &Problem, joint: usize, location: f64, rest: &Rest, available: f64) -> Option<f64> {
     let payload = *problem.robot.payload();
     if payload.mass <= 0.0 {
         return None;
@@ -177,14 +212,21 @@ fn feasible_payload(problem: &Problem, joint: usize, location: f64, rest: f64, a
         &pose_at(problem, location),
         &mut empty,
     );
-    let loaded = gravity_at(problem, location)[joint];
-    let (without, with) = (empty[joint] + rest, loaded + rest);
+    let (empty, loaded) = (empty[joint], gravity_at(problem, location)[joint]);
+    let (without, with) = (rest.under(empty), rest.under(loaded));
     if without.abs() >= available || with.abs() <= available {
         return None;
     }
-    // linear in the mass
-    let part = (available.copysign(with) - without) / (with - without);
-    Some(payload.mass * part)
+    // gravity is linear in the mass, and the torque in gravity on either side of zero
+    let bound = available.copysign(with);
+    let part = [1.0, -1.0]
+        .into_iter()
+        .map(|side| (side, (bound - rest.rest) / (1.0 + side * rest.load)))
+        .filter(|(side, gravity)| side * gravity >= 0.0)
+        .map(|(_, gravity)| (gravity - empty) / (loaded - empty))
+        .filter(|part| (0.0..=1.0).contains(part))
+        .fold(f64::NEG_INFINITY, f64::max);
+    (part >= 0.0).then_some(payload.mass * part)
 }
 
 fn gravity_at(problem: &Problem, location: f64) -> Vec<f64> {

@@ -55,7 +55,9 @@ pub(super) fn setpoints(
                 let (velocity, acceleration) = (sweep.velocity[entry], sweep.acceleration[entry]);
                 let moving = segment.is_some() && patterns[joint].moves();
                 let direction = if moving { patterns[joint].displacement } else { 0.0 };
-                let added = drive.armature * acceleration + drive.viscous * velocity + drive.coulomb(direction);
+                let friction =
+                    drive.viscous * velocity + drive.drag(velocity) + drive.coulomb(direction, sweep.gravity[entry]);
+                let added = drive.armature * acceleration + friction;
                 columns.position.push(sweep.position[entry]);
                 columns.velocity.push(velocity);
                 columns.acceleration.push(acceleration);

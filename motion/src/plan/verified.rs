@@ -8,6 +8,7 @@
 //! cruising      v²·k          + v·c_v·D        + (g + c_C)
 //! ```
 //!
+//! with quadratic friction, d·D·|D|, in k, and that of the load, which has a kink where g is zero, in c_C;
 //! so each joint bounds α, δ and v at each sample in closed form, and [`time_law::fastest`] finds the fastest trapezoid. Its
 //! plan is verified; where verification finds more torque between samples, its moments become samples, and the law is
 //! computed again (the exchange of Remez). It ends with every limit kept and the limiting one touched.
@@ -197,9 +198,9 @@ impl<'a> Path<'a> {
             let drive = &self.problem.robot.drives()[joint];
             let entry = joint * self.terms.stride + index;
             let mass = self.terms.mass[entry] + drive.armature * displacement;
-            let velocity = self.terms.velocity[entry];
+            let velocity = self.terms.velocity[entry] + drive.drag(displacement);
             let gravity = self.terms.gravity[entry];
-            let still = gravity + drive.coulomb(displacement);
+            let still = gravity + drive.coulomb(displacement, gravity);
             let viscous = drive.viscous * displacement;
             let planned = limit * (1.0 - PLAN_RESERVE);
             if still.abs() >= planned {

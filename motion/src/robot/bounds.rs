@@ -35,6 +35,10 @@ pub(crate) const GEAR_RATIO: Bound = between(1e-6, 1e6, "");
 pub(crate) const ROTOR_INERTIA: Bound = between(0.0, 1e6, " kg m²");
 /// Friction coefficients.
 pub(crate) const FRICTION: Bound = between(0.0, 1e9, "");
+/// Coulomb torque over gravity torque: gears have 0.05, and from 1 on a load does not sink by itself; a hundred is a unit error.
+pub(crate) const LOAD_COULOMB: Bound = between(0.0, 100.0, "");
+/// Torque over deflection before a contact slides.
+pub(crate) const PRESLIDING_STIFFNESS: Bound = between(1e-9, 1e15, "");
 /// Motor torque over current.
 pub(crate) const TORQUE_CONSTANT: Bound = between(1e-9, 1e6, " N m/A");
 /// Coefficients of the stiffness polynomial; a higher one may be negative.
@@ -43,6 +47,14 @@ pub(crate) const STIFFNESS: Bound = symmetric(1e15, "");
 pub(crate) const DAMPING: Bound = between(0.0, 1e9, "");
 /// Length of the gravity vector: zero is a robot in orbit, a thousand is a hundred times the earth's.
 pub(crate) const GRAVITY: Bound = between(0.0, 1000.0, " m/s²");
+/// Standard deviation of what is left between model and measurement: that of a torque.
+pub(crate) const RESIDUAL_DEVIATION: Bound = between(0.0, 1e9, "");
+/// Time over which that stays alike: from the fastest current loop to eleven days.
+pub(crate) const RESIDUAL_TIME: Bound = between(1e-6, 1e6, " s");
+/// Degrees of freedom of its distribution: at 2 the variance is infinite, from a thousand on it is normal to four digits.
+pub(crate) const DEGREES_OF_FREEDOM: Bound = between(2.001, 1e9, "");
+/// Entries of a covariance: squares of masses, first moments, inertias and frictions within their own bounds.
+pub(crate) const COVARIANCE: Bound = symmetric(1e18, "");
 /// Multiplier and offset of a mimic joint.
 pub(crate) const MIMIC: Bound = symmetric(1e5, "");
 
@@ -79,6 +91,9 @@ pub(crate) const ODD_TOTAL_MASS: f64 = 2000.0;
 /// How far, relative to the trace, an inertia tensor may be outside what a rigid body can have before it is called
 /// odd: published tensors are rounded to four digits and more.
 pub(crate) const INERTIA_ROUNDING: f64 = 1e-6;
+/// How far below 0, against a diagonal of ones, the smallest eigenvalue of a covariance may be: what a fit leaves open
+/// has the eigenvalue 0, and rounding to nine digits takes it to either side.
+pub(crate) const COVARIANCE_ROUNDING: f64 = 1e-8;
 /// How far the norm of a pose's quaternion may be from 1.
 pub(crate) const QUATERNION_ROUNDING: f64 = 1e-6;
 /// The shortest axis of a joint whose direction is trusted. Real files hold 1 and roundings of it.

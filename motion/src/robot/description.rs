@@ -3,7 +3,7 @@
 
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
-use super::spec::{Inertial, Limits};
+use super::spec::{Inertial, Limits, ParameterKind, Residual};
 
 /// Everything that a caller says of an arm.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,6 +22,30 @@ pub struct Description {
     pub frames: Vec<(String, Isometry3<f64>)>,
     /// Read friction from the URDF's `<dynamics>` elements.
     pub use_urdf_dynamics: bool,
+    /// Bodies that take the place of the chain's own.
+    pub link_inertia: Vec<LinkEntry>,
+    /// How well the fitted parameters are known; `None`: all are taken as exact.
+    pub uncertainty: Option<UncertaintyEntry>,
+}
+
+/// Everything that moves with a joint and before the next one, in the place of what the chain says of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinkEntry {
+    /// Name of the joint.
+    pub joint: String,
+    /// In the joint's frame.
+    pub body: Inertial,
+}
+
+/// [`super::spec::Uncertainty`], with joints by name.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct UncertaintyEntry {
+    /// What was fitted: of which joint, and what.
+    pub parameters: Vec<(String, ParameterKind)>,
+    /// Covariance of the parameters: its lower triangle row by row.
+    pub covariance: Vec<f64>,
+    /// One entry a joint, in any order.
+    pub residuals: Vec<(String, Residual)>,
 }
 
 /// Where a chain comes from.
@@ -120,4 +144,10 @@ pub struct FrictionEntry {
     pub coulomb_positive: Option<f64>,
     /// Default: the positive one.
     pub coulomb_negative: Option<f64>,
+    /// Default: 0.
+    pub load_coulomb: Option<f64>,
+    /// Default: 0.
+    pub quadratic: Option<f64>,
+    /// Default: the contact slides at once.
+    pub presliding_stiffness: Option<f64>,
 }

@@ -4,10 +4,10 @@
 //! limits, k is the 1st percentile over [`POSES`] low-discrepancy poses of
 //!
 //! ```text
-//! min over joints of (T − |g| − Coulomb − viscous·V) / Σ|M|·V
+//! min over joints of (T − |g| − F − k·|g| − c·V − d·V²) / Σ|M|·V
 //! ```
 //!
-//! with M the mass matrix, rotors included; poses that cannot be held are left out. Then A = D = k·V.
+//! with friction of Coulomb F, of load k, viscous c and quadratic d, and M the mass matrix, rotors included; poses that cannot be held are left out. Then A = D = k·V.
 
 use super::spec::{JointKind, RobotSpec};
 use crate::dynamics::chain::Chain;
@@ -184,7 +184,9 @@ impl<'a> Pose<'a> {
                 continue;
             };
             let coulomb = drive.coulomb_positive.max(drive.coulomb_negative);
-            let left = peak - self.gravity[i].abs() - coulomb - drive.viscous * speed(i);
+            let gravity = self.gravity[i].abs();
+            let left =
+                peak - gravity * (1.0 + drive.load_coulomb) - coulomb - drive.viscous * speed(i) - drive.drag(speed(i));
             if left <= 0.0 {
                 return None;
             }

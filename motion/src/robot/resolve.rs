@@ -5,6 +5,7 @@
 //! again learns slowly.
 
 mod entries;
+mod fitted;
 mod merge;
 
 #[cfg(test)]
@@ -39,7 +40,9 @@ impl Description {
     pub fn resolve(&self) -> Result<Resolved, Vec<Invalid>> {
         let mut findings = Findings::default();
         let chain = self.chain(&mut findings);
-        let joints = self.joints(chain.as_ref(), &mut findings);
+        let mut joints = self.joints(chain.as_ref(), &mut findings);
+        fitted::lay_bodies(&self.link_inertia, joints.as_mut(), &mut findings);
+        let uncertainty = fitted::uncertainty(self.uncertainty.as_ref(), joints.as_deref(), &mut findings);
         check_gravity(self.gravity.as_ref(), &mut findings);
         check_payload(self.payload.as_ref(), &mut findings);
         if let Some(tcp) = &self.tcp {
@@ -53,7 +56,7 @@ impl Description {
             payload: self.payload.unwrap_or(Inertial::zero()),
             tcp: self.tcp.unwrap_or(Isometry3::identity()),
             frames: self.frames.clone(),
-            uncertainty: None,
+            uncertainty,
         });
         let (spec, warnings) = findings.finish(spec)?;
         Ok(Resolved { spec, warnings })

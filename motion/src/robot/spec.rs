@@ -122,7 +122,8 @@ pub struct Friction {
     pub load_coulomb: f64,
     /// Torque over speed squared on that side: q·v·|v|.
     pub quadratic: f64,
-    /// Torque over deflection on that side before the contact slides (Dahl's σ₀); `None`: it slides at once.
+    /// Torque over deflection on that side before the contact slides (Dahl's σ₀); `None`: it slides at once. Plans and their
+    /// margins do not use it: a contact that does not slide yet takes at most the Coulomb torque, which they count in full.
     pub presliding_stiffness: Option<f64>,
 }
 
@@ -141,7 +142,7 @@ pub struct Uncertainty {
 }
 
 /// One fitted parameter.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Parameter {
     /// Index of the joint, whose link or drive it is of.
     pub joint: usize,
@@ -180,7 +181,7 @@ pub struct Residual {
     pub deviation: f64,
     /// Time over which it stays alike, s: a motion of duration T draws it T/τ times.
     pub correlation_time: f64,
-    /// Degrees of freedom of the Student distribution that has its tails.
+    /// Degrees of freedom, above 2, of the Student distribution that has its tails; infinite: it is normal.
     pub degrees_of_freedom: f64,
 }
 

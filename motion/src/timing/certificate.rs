@@ -4,7 +4,8 @@
 //! neighbouring ones it is taken for a cubic: a parabola, whose peak is at most |D₂|/8 above them, and a rest of at most
 //! |D₃|/(9·√3), D₂ and D₃ being second and third differences. What is left out are fourth differences. Viscous torque goes with √a, which is no parabola near rest and
 //! has a bound of its own. Coulomb torque jumps where a joint turns round; around such a
-//! place both of its signs count.
+//! place both of its signs count. That of the load, κ·|g|, is as smooth as the gravity torque g with one sign or the other: the
+//! bulges of both count, and around a place where g is zero the load may be nothing, too.
 
 use super::coefficients::Coefficients;
 use super::grid::Grid;
@@ -138,7 +139,16 @@ impl Certificate<'_> {
         let smooth: [f64; POINTS] =
             std::array::from_fn(|part| mass[part] * at.b[part] + velocity[part] * at.a[part] + gravity[part]);
         let values = std::array::from_fn(|part| smooth[part] + viscous[part] * at.root[part]);
-        let [above, below] = larger(bulges(&values), bulges_with_root(&smooth, &viscous, &at.root));
+        let mut bulge = larger(bulges(&values), bulges_with_root(&smooth, &viscous, &at.root));
+        let load = self.coefficients.load_coulomb[joint];
+        if load != 0.0 {
+            for sign in [load, -load] {
+                let loaded = |values: &[f64; POINTS]| std::array::from_fn(|part| values[part] + sign * gravity[part]);
+                let with_root = bulges_with_root(&loaded(&smooth), &viscous, &at.root);
+                bulge = larger(bulge, larger(bulges(&loaded(&values)), with_root));
+            }
+        }
+        let [above, below] = bulge;
         let coulomb = [
             column(&self.coefficients.coulomb_high),
             column(&self.coefficients.coulomb_low),

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! velocity      q′·ṡ            acceleration  q′·s̈ + q″·ṡ²
-//! torque        m·s̈ + k·ṡ² + g + F± + c·q′·ṡ     with the rotors in m and k, F± the Coulomb torque, c the viscous one
+//! torque        m·s̈ + k·ṡ² + g + F± ± κ·|g| + c·q′·ṡ     with the rotors in m and k, F± and κ·|g| the Coulomb torque of the
+//!               drive and of its load, c the viscous one; the quadratic one, d·q′·|q′|·ṡ², is in k
 //! tool          |p′|·ṡ          p′·s̈ + p″·ṡ²
 //! jerk          q′·s⃛ + 3·q″·ṡ·s̈ + q‴·ṡ³
 //! ```
@@ -40,9 +41,11 @@ pub(crate) struct Coefficients {
     /// c·q′: viscous torque per unit of path velocity.
     pub(crate) viscous: Vec<f64>,
     /// The larger and the smaller Coulomb torque of a sample and its two neighbours: they differ where a joint turns
-    /// round nearby.
+    /// round nearby, and where its load does.
     pub(crate) coulomb_high: Vec<f64>,
     pub(crate) coulomb_low: Vec<f64>,
+    /// κ: Coulomb torque over the magnitude of the gravity torque, one a joint.
+    pub(crate) load_coulomb: Vec<f64>,
     /// Largest ṡ² that the speeds of joints and tool allow here and up to the next sample on both sides; one a sample.
     pub(crate) speed_bound: Vec<f64>,
 }
@@ -92,6 +95,7 @@ impl Coefficients {
             viscous: vec![0.0; joint_count * stride],
             coulomb_high: vec![0.0; joint_count * stride],
             coulomb_low: vec![0.0; joint_count * stride],
+            load_coulomb: robot.drives().iter().map(|drive| drive.load_coulomb).collect(),
             speed_bound: vec![PATH_SPEED_SQUARED_MAX; places.len()],
         };
         coefficients.add_drives(robot);
@@ -114,20 +118,34 @@ impl Coefficients {
             for (viscous, first) in self.viscous[column.clone()].iter_mut().zip(first) {
                 *viscous = drive.viscous * first;
             }
-            if drive.coulomb_positive == 0.0 && drive.coulomb_negative == 0.0 {
+            if drive.quadratic != 0.0 {
+                for (velocity, first) in self.terms.velocity[column.clone()].iter_mut().zip(first) {
+                    *velocity += drive.drag(*first);
+                }
+            }
+            if drive.coulomb_positive == 0.0 && drive.coulomb_negative == 0.0 && drive.load_coulomb == 0.0 {
                 continue;
             }
+            let gravity = &self.terms.gravity[column.clone()];
             let (high, low) = (
                 &mut self.coulomb_high[column.clone()],
                 &mut self.coulomb_low[column.clone()],
             );
             for sample in 0..count {
                 let near = &first[sample.saturating_sub(1)..(sample + 2).min(count)];
-                let torques = near.iter().map(|first| drive.coulomb(*first));
-                (low[sample], high[sample]) = torques
-                    .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), torque| {
+                let bounds = |gravity: f64| {
+                    let torques = near.iter().map(|first| drive.coulomb(*first, gravity));
+                    torques.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), torque| {
                         (low.min(torque), high.max(torque))
-                    });
+                    })
+                };
+                (low[sample], high[sample]) = bounds(gravity[sample]);
+                if drive.load_coulomb != 0.0 && passes_zero(gravity, sample) {
+                    // a load that turns round takes anything from nothing on
+                    let (least, most) = bounds(0.0);
+                    low[sample] = low[sample].min(least);
+                    high[sample] = high[sample].max(most);
+                }
             }
         }
     }
@@ -186,6 +204,16 @@ fn stretches(limits: &Limits, places: &[Place]) -> Vec<usize> {
 
 fn norm_squared(v: [f64; 3]) -> f64 {
     v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
+}
+
+/// Whether a gravity torque may be zero between a sample and one of its neighbours: it has another sign there, or is so small
+/// that it may dip through zero in between.
+fn passes_zero(gravity: &[f64], sample: usize) -> bool {
+    let here = gravity[sample];
+    let before = gravity[sample.saturating_sub(1)];
+    let after = gravity[(sample + 1).min(gravity.len() - 1)];
+    let bend = before - 2.0 * here + after;
+    here * before <= 0.0 || here * after <= 0.0 || here.abs() <= bend.abs()
 }
 
 /// Magnitude of the extreme of q′ strictly between two samples, were q″ linear there; 0 where there is none.

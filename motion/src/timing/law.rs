@@ -8,7 +8,9 @@
 //! a = a₁·(x/h)^(4/3) with j = (2/9)·a₁^(3/2)/h² and s = j·t³/6. Other pieces are integrated by Gauss and Legendre's rule
 //! of six points and inverted by Newton's method; a motion is never integrated step by step.
 
-use crate::tolerance::{LAW_CYCLE_ROUNDING, LAW_INVERSE_ROUNDS, LAW_INVERSE_TIME, LAW_PANEL_RATIO, LAW_PANELS_MAX};
+use crate::tolerance::{
+    LAW_CYCLE_ROUNDING, LAW_INVERSE_ROUNDS, LAW_INVERSE_TIME, LAW_PANEL_CLEAR, LAW_PANEL_LEAST, LAW_PANELS_MAX,
+};
 
 /// How a(s) runs over a piece; x is the distance from where the piece begins, h its length.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -101,33 +103,44 @@ impl Piece {
         }
     }
 
-    /// ∫ dx/√a from 0 to `x`.
+    /// ∫ dx/√a from 0 to `x`, panel by panel. The panels are the same whatever `x` is, so that it grows without jumps.
     fn integrate(&self, x: f64) -> f64 {
-        let panels = self.panels();
-        let width = x / panels as f64;
-        let mut sum = 0.0;
-        for panel in 0..panels {
-            let middle = (panel as f64 + 0.5) * width;
-            for (node, weight) in GAUSS {
-                let away = 0.5 * node * width;
-                sum += 0.5
-                    * weight
-                    * (self.at(middle - away)[0].sqrt().recip() + self.at(middle + away)[0].sqrt().recip());
+        let whole = self.length();
+        let least = whole * LAW_PANEL_LEAST;
+        let (mut sum, mut begin, mut width) = (0.0, 0.0, whole);
+        for _ in 0..LAW_PANELS_MAX {
+            while width > least && !self.is_even(begin, width) {
+                width *= 0.5;
             }
+            sum += self.panel(begin, (x - begin).min(width));
+            begin += width;
+            if begin >= x || !sum.is_finite() {
+                return sum;
+            }
+            width = (2.0 * width).min(whole - begin);
         }
-        sum * width
+        sum + self.panel(begin, x - begin)
     }
 
-    /// Into how many panels the integral is divided, the same for the whole piece, so that it grows without jumps.
-    fn panels(&self) -> usize {
-        let (from, to) = (self.at(0.0)[0], self.at(self.length())[0]);
-        let mut ratio = from.max(to) / from.min(to);
-        let mut panels = 1;
-        while ratio > LAW_PANEL_RATIO && panels < LAW_PANELS_MAX {
-            ratio = ratio.sqrt();
-            panels *= 2;
-        }
-        panels
+    /// ∫ dx/√a over one panel, by Gauss and Legendre's rule.
+    fn panel(&self, begin: f64, width: f64) -> f64 {
+        let middle = begin + 0.5 * width;
+        let pair = |(node, weight): (f64, f64)| {
+            let away = 0.5 * node * width;
+            weight * (self.at(middle - away)[0].sqrt().recip() + self.at(middle + away)[0].sqrt().recip())
+        };
+        0.5 * width * GAUSS.into_iter().map(pair).sum::<f64>()
+    }
+
+    /// Whether √a varies so evenly over a panel that Gauss and Legendre's rule is exact there: a has no root, real or
+    /// complex, within [`LAW_PANEL_CLEAR`] times its half width d around its middle, as |a| > Σ |a⁽ᵏ⁾|·dᵏ/k! says.
+    fn is_even(&self, begin: f64, width: f64) -> bool {
+        let Form::Polynomial([_, _, _, c3]) = self.form else {
+            return true;
+        };
+        let [a, a1, a2] = self.at(begin + 0.5 * width);
+        let d = 0.5 * LAW_PANEL_CLEAR * width;
+        a > d * (a1.abs() + d * (0.5 * a2.abs() + d * c3.abs()))
     }
 
     /// How far a time after the beginning takes; `duration` is that of the whole piece.

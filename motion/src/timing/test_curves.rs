@@ -147,6 +147,8 @@ fn from_urdf(text: &str, oracle: &str) -> Robot {
         tcp: None,
         frames: Vec::new(),
         use_urdf_dynamics: false,
+        link_inertia: Vec::new(),
+        uncertainty: None,
     };
     let resolved = description.resolve().unwrap();
     Robot::new(resolved.spec, resolved.warnings).unwrap()

@@ -200,11 +200,8 @@ fn brackets(context: &Context<'_>, verifier: &Verifier, stretches: &[Stretch], j
         let limit = context.limits[joint].unwrap_or(f64::INFINITY);
         let worth = near_top(demand, context.limits[joint]).min(NEAR_LIMIT * limit);
         for stretch in stretches {
-            let step = {
-                let times = context.motion.times();
-                (times[stretch.segment + 1] - times[stretch.segment]) / stretch.intervals as f64
-            };
-            let samples = &verifier.torque[column + stretch.first..=column + stretch.first + stretch.intervals];
+            let step = stretch.step();
+            let samples = stretch.of(&verifier.torque[column..]);
             for middle in 1..stretch.intervals {
                 let values = [samples[middle - 1], samples[middle], samples[middle + 1]];
                 let top = values.iter().fold(0.0, |top: f64, v| top.max(v.abs()));
@@ -222,7 +219,7 @@ fn brackets(context: &Context<'_>, verifier: &Verifier, stretches: &[Stretch], j
                     joint,
                     segment: stretch.segment,
                     sign,
-                    times: [-1.0, 0.0, 1.0].map(|by| step * (middle as f64 + by)),
+                    times: [middle - 1, middle, middle + 1].map(|k| stretch.local(k)),
                     values: values.map(|v| sign * v),
                     settled: false,
                 };
@@ -252,17 +249,15 @@ fn end_brackets(
     stretches: &[Stretch],
     joints: &[JointDemand],
 ) -> Vec<Bracket> {
-    let times = context.motion.times();
     let mut ends: Vec<Bracket> = Vec::new();
     for (joint, demand) in joints.iter().enumerate() {
         let column = verifier.sweep.column(joint);
         let worth = near_top(demand, context.limits[joint]);
         for stretch in stretches {
-            let span = times[stretch.segment + 1] - times[stretch.segment];
-            let step = span / stretch.intervals as f64;
+            let step = stretch.step();
             for (at_end, next, time, inwards) in [
-                (0, 1, 0.0, step),
-                (stretch.intervals, stretch.intervals - 1, span, -step),
+                (0, 1, stretch.from, step),
+                (stretch.intervals, stretch.intervals - 1, stretch.to, -step),
             ] {
                 let first = column + stretch.first;
                 let (here, beyond) = (verifier.torque[first + at_end], verifier.torque[first + next]);
@@ -314,6 +309,15 @@ impl Context<'_> {
         sweep.compute(self.chain);
     }
 
+    /// The joints that move in a segment and whose friction depends on their load.
+    pub(super) fn loaded(&self, segment: usize) -> impl Iterator<Item = usize> {
+        let directions = &self.directions[segment * self.drives.len()..];
+        let loaded = move |(joint, drive): (usize, &DriveTerms)| {
+            (drive.load_coulomb != 0.0 && directions[joint] != 0.0).then_some(joint)
+        };
+        self.drives.iter().enumerate().filter_map(loaded)
+    }
+
     /// Total torque of a joint at a sample of a sweep.
     pub(super) fn torque(&self, sweep: &Sweep, sample: usize, segment: usize, joint: usize) -> f64 {
         self.point(sweep, sample, segment, joint, 0.0).torque(1.0)
@@ -323,14 +327,15 @@ impl Context<'_> {
     pub(super) fn point(&self, sweep: &Sweep, sample: usize, segment: usize, joint: usize, time: f64) -> Point {
         let entry = sweep.column(joint) + sample;
         let drive = &self.drives[joint];
-        let gravity = sweep.gravity[entry];
+        let (gravity, velocity) = (sweep.gravity[entry], sweep.velocity[entry]);
+        let direction = self.directions[segment * self.drives.len() + joint];
         Point {
             joint,
             time,
             segment,
-            dynamic: sweep.torque[entry] - gravity + drive.armature * sweep.acceleration[entry],
-            viscous: drive.viscous * sweep.velocity[entry],
-            still: gravity + drive.coulomb(self.directions[segment * self.drives.len() + joint]),
+            dynamic: sweep.torque[entry] - gravity + drive.armature * sweep.acceleration[entry] + drive.drag(velocity),
+            viscous: drive.viscous * velocity,
+            still: gravity + drive.coulomb(direction, gravity),
             gravity,
         }
     }

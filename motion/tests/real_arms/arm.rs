@@ -46,6 +46,8 @@ pub(crate) fn bare(kinematics: Kinematics) -> Description {
         tcp: None,
         frames: Vec::new(),
         use_urdf_dynamics: false,
+        link_inertia: Vec::new(),
+        uncertainty: None,
     }
 }
 

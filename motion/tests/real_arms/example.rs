@@ -28,6 +28,8 @@ pub(crate) fn description(name: &str) -> Description {
         tcp: file.get("tool").map(|tool| pose(&tool["tcp"])),
         frames: Vec::new(),
         use_urdf_dynamics: false,
+        link_inertia: Vec::new(),
+        uncertainty: None,
     }
 }
 
@@ -99,6 +101,7 @@ fn friction(drive: &Value, side: &str) -> Option<FrictionEntry> {
         viscous: value["viscous"].as_f64(),
         coulomb_positive: value["coulomb_positive"].as_f64(),
         coulomb_negative: value["coulomb_negative"].as_f64(),
+        ..FrictionEntry::default()
     })
 }
 

@@ -7,7 +7,7 @@ use takt_motion::{
     robot::spec::RobotSpec,
 };
 
-use super::{Findings, Path, quoted, robot};
+use super::{Findings, Path, robot, unknown};
 use crate::v1;
 
 /// Largest velocity or acceleration of a state: its square is computed with.
@@ -138,7 +138,8 @@ fn frame(wire: Option<&str>, at: Path<'_>, robot: Option<&RobotSpec>, findings: 
         return Isometry3::identity();
     };
     let Some((_, pose)) = robot.frames.iter().find(|(known, _)| known == name) else {
-        findings.push(at, format!("the robot has no frame {}", quoted(name)));
+        let known = robot.frames.iter().map(|(name, _)| name.as_str());
+        findings.push(at, unknown("frame", name, known));
         return Isometry3::identity();
     };
     *pose

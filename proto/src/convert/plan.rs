@@ -9,7 +9,7 @@ use takt_motion::plan::{
 };
 use takt_motion::robot::{JOINTS_MAX, spec::RobotSpec};
 
-use super::{Findings, Path, quoted, robot};
+use super::{Findings, Path, quoted, robot, unknown};
 use crate::v1;
 
 const METHODS: &str = "PRESET, ENDPOINT, VERIFIED";
@@ -72,11 +72,12 @@ pub(super) fn limit_overrides(
     for (index, limit) in wire.into_iter().enumerate() {
         let at = at.index(index);
         let joint_at = at.field("joint");
-        let known = robot.is_none_or(|robot| robot.joints.iter().any(|joint| joint.name == limit.joint));
+        let stranger = robot.filter(|robot| robot.joints.iter().all(|joint| joint.name != limit.joint));
         if limit.joint.is_empty() {
             findings.push(joint_at, "must be given");
-        } else if !known {
-            findings.push(joint_at, format!("the robot has no joint {}", quoted(&limit.joint)));
+        } else if let Some(robot) = stranger {
+            let known = robot.joints.iter().map(|joint| joint.name.as_str());
+            findings.push(joint_at, unknown("joint", &limit.joint, known));
         } else if limits.iter().any(|other| other.joint == limit.joint) {
             findings.push(joint_at, format!("{} is there twice", quoted(&limit.joint)));
         }
@@ -133,28 +134,40 @@ pub fn check_request(
     findings: &mut Findings,
 ) -> CheckRequest {
     let at = Path::Root;
-    let trajectory_at = at.field("trajectory");
-    if wire.trajectory.is_none() {
-        findings.push(trajectory_at, "must be given");
-    }
-    let trajectory = wire.trajectory.unwrap_or_default();
-    let interpolation = trajectory
-        .interpolation
-        .and_then(|number| findings.enumerated(trajectory_at.field("interpolation"), number, INTERPOLATIONS));
-    let joint_count = robot.map(|robot| robot.joints.len());
+    let (points, interpolation) = trajectory(wire.trajectory, robot, findings);
     let payload = wire.payload.as_ref();
     CheckRequest {
-        points: points(trajectory.points, trajectory_at.field("points"), joint_count, findings),
-        interpolation: interpolation.map(|interpolation| match interpolation {
-            v1::Interpolation::Linear => Interpolation::Linear,
-            v1::Interpolation::Cubic => Interpolation::Cubic,
-            v1::Interpolation::Quintic | v1::Interpolation::Unspecified => Interpolation::Quintic,
-        }),
+        points,
+        interpolation,
         payload: payload.map(|payload| robot::payload(payload, at.field("payload"), findings)),
         limits: limit_overrides(wire.limits, at.field("limits"), robot, findings),
         torque_utilization: findings.fraction(at.field("torque_utilization"), wire.torque_utilization),
         cycle_time: findings.positive_option(at.field("cycle_time_s"), wire.cycle_time_s, " s"),
     }
+}
+
+/// Reads the field `trajectory`.
+pub(super) fn trajectory(
+    wire: Option<v1::Trajectory>,
+    robot: Option<&RobotSpec>,
+    findings: &mut Findings,
+) -> (Vec<TrajectoryPoint>, Option<Interpolation>) {
+    let trajectory_at = Path::Root.field("trajectory");
+    if wire.is_none() {
+        findings.push(trajectory_at, "must be given");
+    }
+    let trajectory = wire.unwrap_or_default();
+    let interpolation = trajectory
+        .interpolation
+        .and_then(|number| findings.enumerated(trajectory_at.field("interpolation"), number, INTERPOLATIONS));
+    let interpolation = interpolation.map(|interpolation| match interpolation {
+        v1::Interpolation::Linear => Interpolation::Linear,
+        v1::Interpolation::Cubic => Interpolation::Cubic,
+        v1::Interpolation::Quintic | v1::Interpolation::Unspecified => Interpolation::Quintic,
+    });
+    let joint_count = robot.map(|robot| robot.joints.len());
+    let points = points(trajectory.points, trajectory_at.field("points"), joint_count, findings);
+    (points, interpolation)
 }
 
 fn points(
@@ -329,6 +342,7 @@ pub(super) fn setpoints_to_wire(setpoints: Setpoints, robot: &RobotSpec) -> v1::
         velocity: columns.velocity,
         acceleration: columns.acceleration,
         torque: columns.torque,
+        ..v1::JointColumns::default()
     });
     v1::Setpoints {
         joints: joints.collect(),
@@ -337,7 +351,7 @@ pub(super) fn setpoints_to_wire(setpoints: Setpoints, robot: &RobotSpec) -> v1::
     }
 }
 
-fn infeasible_to_wire(refusal: Infeasible, robot: &RobotSpec) -> v1::Infeasible {
+pub(super) fn infeasible_to_wire(refusal: Infeasible, robot: &RobotSpec) -> v1::Infeasible {
     use v1::infeasible::Reason;
     let reason = match refusal.reason {
         InfeasibleReason::HoldingTorque => Reason::HoldingTorque,

@@ -1,6 +1,7 @@
 //! Robot descriptions in, registered robots out.
 
 mod findings;
+mod fitted;
 
 use std::collections::HashSet;
 
@@ -12,7 +13,10 @@ use takt_motion::{
     },
 };
 
-pub use self::findings::{finding_on_description, finding_on_spec};
+pub use self::{
+    findings::{finding_on_description, finding_on_spec},
+    fitted::{kind_from_wire, kind_to_wire, link_inertia_to_wire, uncertainty_to_wire},
+};
 use super::{Findings, Path, quoted};
 use crate::v1;
 
@@ -58,6 +62,12 @@ pub fn description(wire: &v1::RobotDescription, at: Path<'_>, findings: &mut Fin
         .as_ref()
         .map(|tool| self::tool(tool, at.field("tool"), findings));
     let frames = frames(&wire.frames, at.field("frames"), findings);
+    let link_inertia = fitted::link_inertia(&wire.link_inertia, at.field("link_inertia"), findings);
+    let uncertainty = wire.uncertainty.as_ref();
+    let uncertainty = uncertainty.and_then(|wire| fitted::uncertainty(wire, at.field("uncertainty"), findings));
+    if let Some(origin) = &wire.origin {
+        fitted::check_origin(origin, at.field("origin"), findings);
+    }
     Some(Description {
         kinematics: kinematics?,
         joints,
@@ -66,6 +76,8 @@ pub fn description(wire: &v1::RobotDescription, at: Path<'_>, findings: &mut Fin
         tcp,
         frames,
         use_urdf_dynamics: wire.use_urdf_dynamics.unwrap_or(false),
+        link_inertia,
+        uncertainty,
     })
 }
 
@@ -178,10 +190,14 @@ fn drive_entry(wire: &v1::Drive, at: Path<'_>, findings: &mut Findings) -> Drive
         let Some(side) = side else {
             continue;
         };
+        let mut read = |name, value| findings.finite_option(at.field(name), value);
         let entry = FrictionEntry {
-            viscous: findings.finite_option(at.field("viscous"), friction.viscous),
-            coulomb_positive: findings.finite_option(at.field("coulomb_positive"), friction.coulomb_positive),
-            coulomb_negative: findings.finite_option(at.field("coulomb_negative"), friction.coulomb_negative),
+            viscous: read("viscous", friction.viscous),
+            coulomb_positive: read("coulomb_positive", friction.coulomb_positive),
+            coulomb_negative: read("coulomb_negative", friction.coulomb_negative),
+            load_coulomb: read("load_coulomb", friction.load_coulomb),
+            quadratic: read("quadratic", friction.quadratic),
+            presliding_stiffness: read("presliding_stiffness", friction.presliding_stiffness),
         };
         let slot = &mut sides[usize::from(side == v1::friction::Side::Joint)];
         if slot.replace(entry).is_some() {
@@ -298,11 +314,10 @@ pub fn pose_to_wire(pose: &Isometry3<f64>) -> v1::Pose {
 /// Writes a payload.
 #[must_use]
 pub fn payload_to_wire(body: &Inertial) -> v1::Payload {
-    let i = &body.inertia;
     v1::Payload {
         mass_kg: Some(body.mass),
         center_of_mass_m: body.center_of_mass.as_slice().to_vec(),
-        inertia_kg_m2: vec![i[(0, 0)], i[(1, 1)], i[(2, 2)], i[(0, 1)], i[(0, 2)], i[(1, 2)]],
+        inertia_kg_m2: fitted::tensor_to_wire(&body.inertia),
     }
 }
 
@@ -374,11 +389,17 @@ fn drive_to_wire(drive: &Drive) -> v1::Drive {
     }
 }
 
-fn friction_to_wire(side: v1::friction::Side, friction: &Friction) -> v1::Friction {
+/// Writes friction of one side; terms that came late and are not there are not said.
+#[must_use]
+pub fn friction_to_wire(side: v1::friction::Side, friction: &Friction) -> v1::Friction {
+    let given = |value: f64| (value != 0.0).then_some(value);
     v1::Friction {
         side: side.into(),
         viscous: Some(friction.viscous),
         coulomb_positive: Some(friction.coulomb_positive),
         coulomb_negative: Some(friction.coulomb_negative),
+        load_coulomb: given(friction.load_coulomb),
+        quadratic: given(friction.quadratic),
+        presliding_stiffness: friction.presliding_stiffness,
     }
 }

@@ -110,7 +110,7 @@ impl<'a> States<'a> {
         dynamics::rigid_torque(robot, workspace, q, qd, qdd, &mut rigid_torque);
         dynamics::gravity_torque(robot, workspace, q, &mut gravity_torque);
         dynamics::rotor_torque(robot, qdd, &mut rotor_torque);
-        dynamics::friction_torque(robot, qd, &mut friction_torque);
+        dynamics::friction_torque(robot, workspace, q, qd, &mut friction_torque);
         let parts = rigid_torque.iter().zip(&rotor_torque).zip(&friction_torque);
         let torque = parts
             .map(|((rigid, rotor), friction)| rigid + rotor + friction)

@@ -46,7 +46,175 @@ pub(super) fn inverse(result: &v1::InverseKinematicsResult) -> bool {
         && missing.is_none_or(|one| all(&one.nearest_position) && all(&[one.missing_m, one.missing_rad]))
 }
 
-fn all(numbers: &[f64]) -> bool {
+pub(super) fn estimate(answer: &v1::EstimateFrictionResponse) -> bool {
+    all(&[answer.time_s.unwrap_or(0.0), answer.delay_s])
+        && answer.joints.iter().all(|joint| {
+            let coefficients = joint.coefficients.iter();
+            let numbers = [
+                joint.residual_rms,
+                joint.residual_deviation,
+                joint.residual_tails,
+                joint.correlation_time_s.unwrap_or(0.0),
+                joint.friction_torque.unwrap_or(0.0),
+                joint.degrees_of_freedom.unwrap_or(0.0),
+            ];
+            all(&numbers)
+                && all(&joint.covariance)
+                && every(coefficients.map(|one| [one.value, one.standard_error, one.lower, one.upper]))
+        })
+}
+
+pub(super) fn fit(answer: &v1::MotionFit) -> bool {
+    let estimates = answer
+        .estimates
+        .iter()
+        .map(|one| [one.value, one.described, one.standard_error, one.told]);
+    let joints = answer.joints.iter().map(|one| {
+        [
+            one.fitted_error,
+            one.validated_error,
+            one.correlation_time_s,
+            one.pose_share,
+            one.presliding_deflection.unwrap_or(0.0),
+        ]
+    });
+    let bins = answer
+        .joints
+        .iter()
+        .flat_map(|one| one.by_position.iter().chain(&one.by_speed));
+    let assessed = answer.before.iter().chain(&answer.after).flat_map(|one| &one.joints);
+    let assessed = assessed.map(|one| {
+        let interval = one.interval.unwrap_or_default();
+        [
+            one.error,
+            one.percentile,
+            one.percentile_of_peak.unwrap_or(0.0),
+            interval.coverage,
+            interval.half_width,
+            interval.over_narrowest,
+        ]
+    });
+    all(&[answer.ridge.unwrap_or(0.0), answer.determined])
+        && every(estimates)
+        && every(joints)
+        && every(bins.map(|bin| [bin.from, bin.to, bin.mean, bin.rms]))
+        && every(assessed)
+}
+
+pub(super) fn bench(outcome: &v1::fit_drive_response::Outcome) -> bool {
+    use v1::fit_drive_response::Outcome;
+    let side = |one: &v1::SideFit| {
+        let own = [
+            one.viscous,
+            one.coulomb_positive,
+            one.coulomb_negative,
+            one.residual_torque,
+        ];
+        all(&own) && all(&one.standard_errors)
+    };
+    match outcome {
+        Outcome::Motion(motion) => fit(motion),
+        Outcome::NotExcited(_) => true,
+        Outcome::Stiffness(one) => {
+            all(&one.stiffness)
+                && all(&one.standard_error)
+                && all(&[
+                    one.offset_torque,
+                    one.residual_torque,
+                    one.deformation_lower,
+                    one.deformation_upper,
+                ])
+        }
+        Outcome::Damping(one) => {
+            let own = [one.damping_and_viscous, one.damping, one.coulomb, one.stiffness];
+            all(&own) && all(&[one.period_s, one.decrement_of_first_pair]) && all(&one.standard_errors)
+        }
+        Outcome::ConstantSpeed(one) => {
+            let sides = [&one.total, &one.joint_side, &one.motor_side];
+            sides.into_iter().flatten().all(side)
+        }
+    }
+}
+
+pub(super) fn rehearsal(outcome: &v1::rehearse_response::Outcome) -> bool {
+    use v1::rehearse_response::Outcome;
+    match outcome {
+        Outcome::Rehearsal(rehearsal) => {
+            let gains = rehearsal.joints.iter().map(|joint| {
+                let gains = joint.gains.clone().unwrap_or_default();
+                [
+                    joint.planned_torque,
+                    gains.position,
+                    gains.velocity,
+                    gains.torque,
+                    gains.velocity_filter_rad_per_s,
+                ]
+            });
+            all(&[rehearsal.period_s, rehearsal.duration_s])
+                && every(gains)
+                && rehearsal.plain.iter().chain(&rehearsal.adapted).all(run)
+        }
+        Outcome::MoveInfeasible(no) => all(&[no.time_s, no.needed, no.available, no.gravity_torque]),
+        Outcome::PathInfeasible(no) => all(&[no.needed, no.available, no.gravity_torque]),
+        Outcome::TransmissionRange(range) => all(&[range.time_s, range.torque, range.largest_torque]),
+    }
+}
+
+fn run(run: &v1::RehearsalRun) -> bool {
+    let joints = run.joints.iter().map(|one| {
+        [
+            one.position_error_peak,
+            one.position_error_time_s,
+            one.position_error_rms,
+            one.position_error_end,
+            one.torque_peak,
+            one.torque_time_s,
+            one.torque_rms,
+            one.torque_limit.unwrap_or(0.0),
+            one.margin.unwrap_or(0.0),
+            one.limited_time_s,
+            one.current_peak_a.unwrap_or(0.0),
+            one.current_rms_a.unwrap_or(0.0),
+            one.deformation_peak,
+            one.friction_torque_rms,
+            one.friction_torque_error_rms,
+            one.friction_torque_error_rms_last,
+        ]
+    });
+    let points = run.joints.iter().flat_map(|joint| &joint.friction);
+    let columns = run.trace.iter().flat_map(|trace| &trace.joints).flat_map(|joint| {
+        [
+            &joint.planned_position,
+            &joint.position,
+            &joint.motor_position,
+            &joint.velocity,
+            &joint.motor_torque,
+            &joint.transmission_torque,
+            &joint.assumed_friction_torque,
+            &joint.true_friction_torque,
+        ]
+    });
+    let mut own = run
+        .trace
+        .iter()
+        .flat_map(|trace| [&trace.time_s, &trace.tool_error_m])
+        .chain(columns);
+    let tool = [
+        run.end_time_s.unwrap_or(0.0),
+        run.tool_error_peak_m,
+        run.tool_error_time_s,
+        run.tool_error_rms_m,
+        run.tool_angle_peak_rad,
+        run.work_j,
+        run.energy_given_j,
+    ];
+    all(&tool)
+        && every(joints)
+        && every(points.map(|point| [point.time_s, point.assumed_torque, point.true_torque]))
+        && own.all(|column| all(column))
+}
+
+pub(super) fn all(numbers: &[f64]) -> bool {
     numbers.iter().all(|number| number.is_finite())
 }
 

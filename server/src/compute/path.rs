@@ -4,12 +4,13 @@ use std::time::Instant;
 
 use takt_motion::{
     budget::Budget,
+    drive::rehearse::request::Motion,
     path::{self, outcome::PathOutcome},
 };
 use takt_proto::{convert, v1};
 use tracing::Span;
 
-use super::{Planned, Reading, Subject, check_setpoints, check_trace, failed, finite, not_finite};
+use super::{Planned, Reading, Subject, check_setpoints, check_trace, failed, finite, motor, not_finite};
 use crate::{config::Limits, error::ServiceError};
 
 /// Plans a robot program.
@@ -21,11 +22,13 @@ pub(crate) fn plan_path(
     budget: &Budget<'_>,
 ) -> Result<v1::PlanPathResponse, ServiceError> {
     let planned = planned_path(request, subject, limits, deadline, budget)?;
+    let spec = planned.robot.robot.spec();
+    let mut outcome = convert::path::outcome_to_wire(planned.outcome, spec);
+    if let (v1::plan_path_response::Outcome::Plan(plan), Some(motors)) = (&mut outcome, &planned.motors) {
+        motor::add(motors, &mut plan.setpoints, &mut plan.warnings, spec)?;
+    }
     Ok(v1::PlanPathResponse {
-        outcome: Some(convert::path::outcome_to_wire(
-            planned.outcome,
-            planned.robot.robot.spec(),
-        )),
+        outcome: Some(outcome),
         provenance: Some(planned.provenance),
     })
 }
@@ -39,6 +42,8 @@ pub(super) fn planned_path(
 ) -> Result<Planned<PathOutcome>, ServiceError> {
     let mut reading = Reading::of(&mut request, subject);
     check_trace(&mut reading.findings, request.trace_points, limits);
+    let period = request.sample_period_s;
+    let wants_motors = motor::is_asked(request.motor_setpoints, period, &mut reading.findings);
     let request = reading.convert(|spec, findings| convert::path::path_request(request, spec, findings));
     reading.look_further(|robot, budget| path::plan_path(robot, &request, budget));
     let (robot, provenance) = reading.checked()?;
@@ -53,9 +58,17 @@ pub(super) fn planned_path(
         return Err(not_finite());
     }
     Span::current().record("outcome", name);
+    let motors = match (&outcome, period.filter(|_| wants_motors)) {
+        (PathOutcome::Plan(_), Some(period)) => {
+            let motion = Motion::Path(Box::new(request));
+            Some(motor::motors(&robot.robot, &motion, period, deadline, budget)?)
+        }
+        _ => None,
+    };
     Ok(Planned {
         robot,
         outcome,
+        motors,
         provenance,
     })
 }

@@ -75,7 +75,7 @@ pub(crate) fn stream_setpoints(
             let period = period(
                 request.sample_period_s,
                 &mut motion.sample_period_s,
-                motion.trace_points,
+                (motion.trace_points, motion.motor_setpoints),
             );
             let period = period.map_err(within)?;
             let mut planned = planned_move(motion, subject, limits, deadline, budget).map_err(within)?;
@@ -97,7 +97,7 @@ pub(crate) fn stream_setpoints(
             let period = period(
                 request.sample_period_s,
                 &mut motion.sample_period_s,
-                motion.trace_points,
+                (motion.trace_points, motion.motor_setpoints),
             );
             let period = period.map_err(within)?;
             let mut planned = planned_path(motion, subject, limits, deadline, budget).map_err(within)?;
@@ -122,12 +122,22 @@ pub(crate) fn stream_setpoints(
 }
 
 /// Settles the period in the motion itself, where it counts for the hash.
-fn period(beside: Option<f64>, within: &mut Option<f64>, trace_points: Option<u32>) -> Result<f64, ServiceError> {
+fn period(
+    beside: Option<f64>,
+    within: &mut Option<f64>,
+    (trace_points, motors): (Option<u32>, Option<bool>),
+) -> Result<f64, ServiceError> {
     let refused = |field: &str, message: String| Err(ServiceError::invalid(vec![Invalid::new(field, message)]));
     if trace_points.is_some() {
         return refused(
             "trace_points",
             "a stream has set-points: give `sample_period_s`".to_owned(),
+        );
+    }
+    if motors == Some(true) {
+        return refused(
+            "motor_setpoints",
+            "a stream has set-points of joints alone: plan the motion in one call".to_owned(),
         );
     }
     match (beside, *within) {

@@ -15,9 +15,10 @@ use takt_proto::{
     v1,
 };
 
-use super::{add_timing, json_response};
+use super::{json_response, written};
 use crate::{
     error::ServiceError,
+    form::json_text,
     service::{Answer, Call, Service},
 };
 
@@ -54,7 +55,7 @@ macro_rules! for_robot {
 
 for_robot!(
     RegisterRobotRequest PlanMoveRequest PlanPathRequest PlanBatchRequest StreamSetpointsRequest CheckTrajectoryRequest
-    InverseDynamicsRequest ForwardKinematicsRequest InverseKinematicsRequest
+    InverseDynamicsRequest ForwardKinematicsRequest InverseKinematicsRequest EstimateFrictionRequest FitDriveRequest RehearseRequest
 );
 
 impl Json {
@@ -124,10 +125,8 @@ impl Json {
         T: Serialize + Message + 'static,
     {
         let Answer { message, timing } = answer;
-        let body = self.text_of(message, call).await?;
-        let mut response = json_response(StatusCode::OK, body);
-        add_timing(&mut response, timing);
-        Ok(response)
+        let message = self.text_of(message, call).await?;
+        Ok(written(Answer { message, timing }))
     }
 
     /// A message as text.
@@ -136,15 +135,15 @@ impl Json {
         T: Serialize + Message + 'static,
     {
         if message.encoded_len() <= SHORT_MESSAGE_BYTES {
-            return print(&message);
+            return json_text(&message);
         }
-        let job = move |_: &Budget<'_>| print(&message);
+        let job = move |_: &Budget<'_>| json_text(&message);
         Ok(self.service.run(call, job).await?.0)
     }
 
     /// Writes an answer that is short or was read from the store.
     pub(super) fn write_now<T: Serialize>(&self, answer: &Answer<T>) -> Result<Response, ServiceError> {
-        Ok(json_response(StatusCode::OK, print(&answer.message)?))
+        Ok(json_response(StatusCode::OK, json_text(&answer.message)?))
     }
 }
 
@@ -228,9 +227,3 @@ fn located<T: DeserializeOwned>(body: &[u8], error: &serde_json::Error) -> Inval
 }
 
 const LONGEST_MESSAGE: usize = 400;
-
-fn print<T: Serialize>(message: &T) -> Result<Bytes, ServiceError> {
-    let body = serde_json::to_vec(message);
-    let body = body.map_err(|error| ServiceError::internal("the answer cannot be written as JSON").caused_by(error))?;
-    Ok(body.into())
-}

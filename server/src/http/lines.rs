@@ -14,17 +14,17 @@ use bytes::{Bytes, BytesMut};
 use futures::{Stream, StreamExt, stream};
 use http::header;
 use prost::Message;
-use serde::Serialize;
+use serde::{Serialize, de::DeserializeOwned};
 use takt_proto::{route::JSON_LINES, v1};
 
 use super::{
     Answered, Http,
-    json::{self, JSON, Json},
+    json::{self, ForRobot, JSON, Json},
 };
 use crate::{
     edge::Admission,
     error::ServiceError,
-    service::{Call, Incoming},
+    service::{Arrived, Call, Incoming},
     stream::Feed,
 };
 
@@ -40,6 +40,35 @@ impl Http {
     }
 
     pub(super) fn plan_batch(self: &Arc<Self>, request: Request, id: String, call: Call) -> Answered {
+        let (admission, requests) = self.messages(request, id, call)?;
+        let requests = requests.map(|read| read.map(|(request, bytes)| Incoming { request, bytes }));
+        let feed = self.service.plan_batch(call, admission, requests);
+        Ok(self.lines(feed, call))
+    }
+
+    pub(super) async fn estimate_friction(self: &Arc<Self>, request: Request, id: String, call: Call) -> Answered {
+        let (admission, requests) = self.messages(request, id, call)?;
+        let arrivals = requests.map(|read| read.map(|(request, bytes)| Arrived { request, bytes }));
+        let feed = self.service.estimate_friction(call, admission, arrivals).await?;
+        Ok(self.lines(feed, call))
+    }
+
+    /// The messages of a body, one a line, and the bytes that each holds.
+    fn messages<T>(
+        self: &Arc<Self>,
+        request: Request,
+        id: String,
+        call: Call,
+    ) -> Result<
+        (
+            Admission,
+            impl Stream<Item = Result<Read<T>, ServiceError>> + Send + use<T>,
+        ),
+        ServiceError,
+    >
+    where
+        T: DeserializeOwned + ForRobot + Send + 'static,
+    {
         json::check_query(&request)?;
         json::check_kind(request.headers(), &LINES)?;
         let admission = admission_of(&request)?;
@@ -49,12 +78,11 @@ impl Http {
             self.json.max_bytes(),
             admission.clone(),
         );
-        let requests = lines.then(move |line| {
+        let messages = lines.then(move |line| {
             let (http, id) = (Arc::clone(&http), Arc::clone(&id));
-            async move { Ok(http.json.incoming(line?, &id, call).await) }
+            async move { Ok(http.json.read(line?, &id, call).await) }
         });
-        let feed = self.service.plan_batch(call, admission, requests);
-        Ok(self.lines(feed, call))
+        Ok((admission, messages))
     }
 
     /// Answers in lines.
@@ -81,19 +109,22 @@ impl Http {
 }
 
 impl Json {
-    async fn incoming(&self, line: Line, id: &str, call: Call) -> Incoming {
+    async fn read<T>(&self, line: Line, id: &str, call: Call) -> Read<T>
+    where
+        T: DeserializeOwned + ForRobot + Send + 'static,
+    {
         match line {
-            Line::Whole(line) => Incoming {
-                bytes: line.len(),
-                request: self.message_for(line, id, call.of_item()).await,
-            },
-            Line::TooLong => Incoming {
-                bytes: 0,
-                request: Err(self.too_large("the line")),
-            },
+            Line::Whole(line) => {
+                let bytes = line.len();
+                (self.message_for(line, id, call.of_item()).await, bytes)
+            }
+            Line::TooLong => (Err(self.too_large("the line")), 0),
         }
     }
 }
+
+/// What a line says, or why it cannot be read; and the bytes that it holds.
+type Read<T> = (Result<T, ServiceError>, usize);
 
 fn admission_of(request: &Request) -> Result<Admission, ServiceError> {
     let admission = request.extensions().get::<Admission>().cloned();

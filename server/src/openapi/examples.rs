@@ -50,12 +50,31 @@ pub(super) fn request(rpc: Rpc) -> Value {
             },
             "sample_period_s": 0.008,
         }),
+        Rpc::EstimateFriction => json!({
+            "header": {"method": "LEAST_SQUARES", "half_life_s": 60.0, "report_period_s": 0.1},
+        }),
+        Rpc::FitDrive => recording(),
+        Rpc::Rehearse => json!({
+            "move": {
+                "start": {"position": [0.0, -1.57, 1.57, -1.57, -1.57, 0.0]},
+                "target": {"position": [1.2, -1.0, 1.0, -1.2, -1.57, 0.5]},
+            },
+            "friction": [{"coulomb_scale": 1.5, "viscous_scale": 1.5}],
+            "settle_s": 0.5,
+        }),
         Rpc::InverseKinematics => json!({
             "targets": [{"pose": {"position_m": [0.4, 0.2, 0.3], "orientation": [0.0, 1.0, 0.0, 0.0]}}],
             "reference": {"position": [0.0, -1.57, 1.57, -1.57, -1.57, 0.0]},
         }),
         Rpc::ListRobots | Rpc::GetRobot | Rpc::DeleteRobot | Rpc::ListRevisions => Value::Null,
     }
+}
+
+/// Too short to say anything: what a fit needs is in the answer.
+fn recording() -> Value {
+    let joint = |at: f64| json!({"position": [at, at + 0.001, at + 0.002], "torque": [0.5, 0.6, 0.7]});
+    let joints: Vec<Value> = [0.0, -1.57, 1.57, -1.57, -1.57, 0.0].map(joint).into();
+    json!({"motion": {"recording": {"time_s": [0.0, 0.01, 0.02], "joints": joints}, "scope": "FRICTION"}})
 }
 
 /// To a part, along a line to it, and back over a blended corner.
@@ -89,6 +108,9 @@ pub(super) fn reads(rpc: Rpc, body: &str) -> bool {
         Rpc::PlanPath => is::<v1::PlanPathRequest>(body),
         Rpc::PlanBatch => is::<v1::PlanBatchRequest>(body),
         Rpc::StreamSetpoints => is::<v1::StreamSetpointsRequest>(body),
+        Rpc::EstimateFriction => is::<v1::EstimateFrictionRequest>(body),
+        Rpc::FitDrive => is::<v1::FitDriveRequest>(body),
+        Rpc::Rehearse => is::<v1::RehearseRequest>(body),
         Rpc::InverseKinematics => is::<v1::InverseKinematicsRequest>(body),
         Rpc::ListRobots | Rpc::GetRobot | Rpc::DeleteRobot | Rpc::ListRevisions => body == "null",
     }

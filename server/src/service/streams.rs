@@ -15,7 +15,7 @@ use takt_proto::{
 use tokio::time::timeout;
 
 use super::{Call, Service, robot_id};
-use crate::{compute, edge::Admission, error::ServiceError, stream::Feed};
+use crate::{compute, edge::Admission, error::ServiceError, form::Plain, stream::Feed};
 
 /// Most plans of one batch in work at once, however many threads there are.
 const WIDEST: usize = 64;
@@ -30,7 +30,7 @@ pub(crate) struct Incoming {
 }
 
 impl Service {
-    fn idle(&self) -> Duration {
+    pub(super) fn idle(&self) -> Duration {
         Duration::from_secs_f64(self.limits.stream_idle_s)
     }
 
@@ -74,7 +74,7 @@ impl Service {
         let idle = self.idle();
         let width = self.planner.thread_count().saturating_mul(2).min(WIDEST);
         let answers = async move {
-            let mut requests = while_alive(requests, idle).boxed();
+            let mut requests = while_alive(requests, idle, "request").boxed();
             let first = requests.next().await;
             let is_ordered = match &first {
                 Some(Ok(Incoming {
@@ -103,9 +103,10 @@ impl Service {
 }
 
 /// Ends a stream of requests to which nothing is added for too long.
-fn while_alive<T>(
+pub(super) fn while_alive<T>(
     requests: impl Stream<Item = Result<T, ServiceError>> + Send,
     idle: Duration,
+    what: &'static str,
 ) -> impl Stream<Item = Result<T, ServiceError>> + Send {
     stream::unfold(Some(Box::pin(requests)), move |requests| async move {
         let mut requests = requests?;
@@ -115,7 +116,7 @@ fn while_alive<T>(
             Ok(None) => None,
             Err(_) => {
                 let seconds = idle.as_secs_f64();
-                let message = format!("no request came for the {seconds} s of `limits.stream_idle_s`");
+                let message = format!("no {what} came for the {seconds} s of `limits.stream_idle_s`");
                 Some((Err(ServiceError::new(ErrorCode::DeadlineExceeded, message)), None))
             }
         }
@@ -152,13 +153,13 @@ async fn plan(
     match motion {
         Some(Motion::Move(mut request)) => {
             adopt("move", &robot_id, &mut request.robot_id)?;
-            let planned = service.plan_move(call, request).await;
+            let planned = service.plan_move::<Plain>(call, request).await;
             let planned = planned.map_err(|error| error.below("move"))?;
             Ok(BatchAnswer::Move(planned.message))
         }
         Some(Motion::Path(mut request)) => {
             adopt("path", &robot_id, &mut request.robot_id)?;
-            let planned = service.plan_path(call, request).await;
+            let planned = service.plan_path::<Plain>(call, request).await;
             let planned = planned.map_err(|error| error.below("path"))?;
             Ok(BatchAnswer::Path(planned.message))
         }
@@ -170,7 +171,7 @@ async fn plan(
 }
 
 /// The robot of a motion is that of the request around it.
-fn adopt(field: &str, outer: &str, inner: &mut String) -> Result<(), ServiceError> {
+pub(super) fn adopt(field: &str, outer: &str, inner: &mut String) -> Result<(), ServiceError> {
     if !outer.is_empty() {
         robot_id(outer).map_err(|invalid| ServiceError::invalid(vec![invalid]))?;
     }

@@ -6,7 +6,7 @@ use takt_proto::v1::{
 };
 use takt_tests::fixtures::two_joints;
 
-use super::{AND_MORE, CONFLICT, Row};
+use super::{AND_MORE, CONFLICT, Row, fits};
 
 const NAN: f64 = f64::NAN;
 const INF: f64 = f64::INFINITY;
@@ -26,7 +26,7 @@ fn request(name: &str, change: impl FnOnce(&mut RegisterRobotRequest), fields: &
 }
 
 /// A change of the description; the fields are below it.
-fn row(name: &str, change: impl FnOnce(&mut RobotDescription), fields: &[&str]) -> Row {
+pub(super) fn row(name: &str, change: impl FnOnce(&mut RobotDescription), fields: &[&str]) -> Row {
     let fields: Vec<String> = fields
         .iter()
         .map(|field| match *field {
@@ -85,6 +85,7 @@ pub(super) fn rows() -> Vec<Row> {
     rows.extend(joints());
     rows.extend(drives());
     rows.extend(surroundings());
+    rows.extend(fits::rows());
     rows
 }
 
@@ -349,6 +350,27 @@ fn drives() -> Vec<Row> {
             "Coulomb negative",
             |f| f.coulomb_negative = Some(-2.0),
             "friction[0].coulomb_negative",
+        ),
+        friction(
+            "load Coulomb negative",
+            |f| f.load_coulomb = Some(-0.1),
+            "friction[0].load_coulomb",
+        ),
+        friction(
+            "load Coulomb in percent of percent",
+            |f| f.load_coulomb = Some(101.0),
+            "friction[0].load_coulomb",
+        ),
+        friction("quadratic NaN", |f| f.quadratic = Some(NAN), "friction[0].quadratic"),
+        friction(
+            "quadratic negative",
+            |f| f.quadratic = Some(-1.0),
+            "friction[0].quadratic",
+        ),
+        friction(
+            "presliding stiffness 0",
+            |f| f.presliding_stiffness = Some(0.0),
+            "friction[0].presliding_stiffness",
         ),
         drive(
             "friction: twice the same side",

@@ -83,6 +83,11 @@ pub(super) fn rows() -> Vec<Row> {
 
 fn positions() -> Vec<Row> {
     vec![
+        row(
+            "motors without a period",
+            |m| m.motor_setpoints = Some(true),
+            &["motor_setpoints"],
+        ),
         row("no start", |m| m.start = None, &["start", "start.position"]),
         row("no target", |m| m.target = None, &["target", "target.position"]),
         row("empty start", |m| start(m).clear(), &["start.position"]),

@@ -16,6 +16,8 @@ fn published((text, tip): (&str, &str)) -> Robot {
         tcp: None,
         frames: Vec::new(),
         use_urdf_dynamics: false,
+        link_inertia: Vec::new(),
+        uncertainty: None,
     };
     Robot::new(description.resolve().unwrap().spec, Vec::new()).unwrap()
 }

@@ -84,14 +84,22 @@ impl Square {
     /// from pₖ = (αₖ − x)·pₖ₋₁ − βₖ²·pₖ₋₂. From the left of all roots Laguerre's steps rise to the smallest one and never
     /// pass it (B. N. Parlett, "The Symmetric Eigenvalue Problem", 1980; "Laguerre's method applied to the matrix
     /// eigenvalue problem", 1964).
-    pub(super) fn smallest_eigenvalue(mut self) -> f64 {
-        let n = self.order;
-        self.tridiagonalize();
+    pub(super) fn smallest_eigenvalue(self) -> f64 {
+        match self.order {
+            // a number that the compiler knows: loops without ends to look at
+            TASK => self.smallest_of(TASK),
+            order => self.smallest_of(order),
+        }
+    }
+
+    #[inline(always)]
+    fn smallest_of(mut self, n: usize) -> f64 {
+        self.tridiagonalize(n);
         let trace: f64 = (0..n).map(|i| self.entry[i][i]).sum();
         let count = n as f64;
         let mut x = 0.0;
         for _ in 0..IK_EIGEN_ROUNDS {
-            let [p, slope, curvature] = self.characteristic(x);
+            let [p, slope, curvature] = self.characteristic(n, x);
             // left of all roots p is positive and falls; rounding alone leads to their right
             if p <= 0.0 || slope >= 0.0 {
                 break;
@@ -112,8 +120,8 @@ impl Square {
     /// A ← H·A·H for one reflection H = I − 2·v·vᵀ/|v|² after another, each of which clears a column below the
     /// subdiagonal. Only the lower triangle is kept.
     #[allow(clippy::needless_range_loop, reason = "the indices are the formula's")]
-    fn tridiagonalize(&mut self) {
-        let n = self.order;
+    #[inline(always)]
+    fn tridiagonalize(&mut self, n: usize) {
         for k in 0..n.saturating_sub(2) {
             let mut v = [0.0; TASK];
             let mut below = 0.0;
@@ -149,10 +157,11 @@ impl Square {
     }
 
     /// p, p′ and p″ at x of the tridiagonal matrix.
-    fn characteristic(&self, x: f64) -> [f64; 3] {
+    #[inline(always)]
+    fn characteristic(&self, n: usize, x: f64) -> [f64; 3] {
         let mut before = [0.0; 3];
         let mut now = [1.0, 0.0, 0.0];
-        for k in 0..self.order {
+        for k in 0..n {
             let a = self.entry[k][k] - x;
             let beta = if k > 0 { self.entry[k][k - 1] } else { 0.0 };
             let b = beta * beta;

@@ -138,6 +138,31 @@ fn a_speed_that_the_arm_cannot_follow_is_lowered_or_refused() {
     }
 }
 
+/// Transitions that are given, or slowed down for the arm, are no whole number of cycles: the set-points end on one after it.
+#[test]
+fn set_points_end_at_rest_on_a_whole_cycle() {
+    let robot = ur5e();
+    for (speed, transition_time) in [(SPEED, None), (SPEED, Some(0.0333)), (8.0, None)] {
+        let mut request = seam(&robot);
+        request.transition_time = transition_time;
+        request.segments[0].dwell = 0.0101;
+        for segment in &mut request.segments {
+            segment.tool_speed = Some(speed);
+        }
+        let plan = planned(&robot, &request);
+        let cycles = plan.duration / 0.004;
+        assert!((cycles - cycles.round()).abs() < 1e-9, "{cycles}");
+        let samples = plan.setpoints.unwrap().samples;
+        assert_eq!(samples.time.len(), cycles.round() as usize + 1);
+        for joint in &samples.joints {
+            assert_eq!(
+                (joint.velocity.last(), joint.acceleration.last()),
+                (Some(&0.0), Some(&0.0))
+            );
+        }
+    }
+}
+
 #[test]
 fn what_has_no_constant_speed_is_named() {
     let robot = ur5e();

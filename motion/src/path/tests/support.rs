@@ -30,6 +30,8 @@ pub(super) fn robot(urdf: &str, tip_link: &str) -> Robot {
         tcp: None,
         frames: Vec::new(),
         use_urdf_dynamics: true,
+        link_inertia: Vec::new(),
+        uncertainty: None,
     };
     let resolved = description.resolve().unwrap();
     Robot::new(resolved.spec, resolved.warnings).unwrap()

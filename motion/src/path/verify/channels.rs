@@ -64,6 +64,11 @@ impl Channels<'_> {
 
     /// How much of a limit a value uses: above 1 it is broken. Of a range, counted from its other end.
     pub(super) fn ratio(&self, channel: usize, value: f64, limit: f64) -> f64 {
+        self.size(channel, self.part(channel, value, limit))
+    }
+
+    /// A value as part of its limit, with its sign; of a range, counted from its other end.
+    pub(super) fn part(&self, channel: usize, value: f64, limit: f64) -> f64 {
         let (kind, joint) = self.of(channel);
         let range = || {
             let [lower, upper] = joint.map_or([None; 2], |joint| self.ranges[joint]);
@@ -74,7 +79,15 @@ impl Channels<'_> {
         match kind {
             PathLimit::PositionLower => 1.0 + (limit - value) / range(),
             PathLimit::PositionUpper => 1.0 + (value - limit) / range(),
-            _ => value.abs() / limit,
+            _ => value / limit,
+        }
+    }
+
+    /// What counts of a part: either sign, but of a range.
+    pub(super) fn size(&self, channel: usize, part: f64) -> f64 {
+        match self.of(channel).0 {
+            PathLimit::PositionLower | PathLimit::PositionUpper => part,
+            _ => part.abs(),
         }
     }
 }

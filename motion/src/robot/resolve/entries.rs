@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use crate::robot::bounds::{
-    ACCELERATION, DAMPING, FRICTION, GEAR_RATIO, JERK, MAX_JOINT_ENTRIES, MAX_STIFFNESS_TERMS, POSITION, ROTOR_INERTIA,
-    STIFFNESS, TORQUE, TORQUE_CONSTANT, VELOCITY,
+    ACCELERATION, DAMPING, FRICTION, GEAR_RATIO, JERK, LOAD_COULOMB, MAX_JOINT_ENTRIES, MAX_STIFFNESS_TERMS, POSITION,
+    PRESLIDING_STIFFNESS, ROTOR_INERTIA, STIFFNESS, TORQUE, TORQUE_CONSTANT, VELOCITY,
 };
 use crate::robot::chain::Chain;
 use crate::robot::description::{DriveEntry, FrictionEntry, JointEntry};
@@ -100,12 +100,19 @@ fn check_friction(path: &str, friction: Option<&FrictionEntry>, findings: &mut F
     let Some(friction) = friction else {
         return;
     };
-    for (field, value) in [
-        ("viscous", friction.viscous),
-        ("coulomb_positive", friction.coulomb_positive),
-        ("coulomb_negative", friction.coulomb_negative),
+    for (field, value, bound) in [
+        ("viscous", friction.viscous, &FRICTION),
+        ("coulomb_positive", friction.coulomb_positive, &FRICTION),
+        ("coulomb_negative", friction.coulomb_negative, &FRICTION),
+        ("load_coulomb", friction.load_coulomb, &LOAD_COULOMB),
+        ("quadratic", friction.quadratic, &FRICTION),
+        (
+            "presliding_stiffness",
+            friction.presliding_stiffness,
+            &PRESLIDING_STIFFNESS,
+        ),
     ] {
-        findings.check_some(format!("{path}.{field}"), value, &FRICTION);
+        findings.check_some(format!("{path}.{field}"), value, bound);
     }
 }
 

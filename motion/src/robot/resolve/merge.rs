@@ -73,4 +73,7 @@ fn lay_friction(friction: &mut Friction, entry: Option<&FrictionEntry>) {
         .or(entry.coulomb_positive)
         .unwrap_or(friction.coulomb_negative);
     friction.coulomb_positive = entry.coulomb_positive.unwrap_or(friction.coulomb_positive);
+    friction.load_coulomb = entry.load_coulomb.unwrap_or(friction.load_coulomb);
+    friction.quadratic = entry.quadratic.unwrap_or(friction.quadratic);
+    friction.presliding_stiffness = entry.presliding_stiffness.or(friction.presliding_stiffness);
 }

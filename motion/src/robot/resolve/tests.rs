@@ -28,6 +28,8 @@ fn description() -> Description {
         tcp: None,
         frames: Vec::new(),
         use_urdf_dynamics: true,
+        link_inertia: Vec::new(),
+        uncertainty: None,
     }
 }
 
@@ -209,6 +211,9 @@ fn every_number_out_of_bounds_is_named_at_once() {
         viscous: Some(-1.0),
         coulomb_positive: nan,
         coulomb_negative: Some(1e10),
+        load_coulomb: Some(-0.1),
+        quadratic: Some(f64::INFINITY),
+        presliding_stiffness: Some(0.0),
     });
     let drive = DriveEntry {
         peak_torque: Some(0.0),
@@ -258,9 +263,15 @@ fn every_number_out_of_bounds_is_named_at_once() {
             "joints[0].drive.motor_friction.viscous",
             "joints[0].drive.motor_friction.coulomb_positive",
             "joints[0].drive.motor_friction.coulomb_negative",
+            "joints[0].drive.motor_friction.load_coulomb",
+            "joints[0].drive.motor_friction.quadratic",
+            "joints[0].drive.motor_friction.presliding_stiffness",
             "joints[0].drive.joint_friction.viscous",
             "joints[0].drive.joint_friction.coulomb_positive",
             "joints[0].drive.joint_friction.coulomb_negative",
+            "joints[0].drive.joint_friction.load_coulomb",
+            "joints[0].drive.joint_friction.quadratic",
+            "joints[0].drive.joint_friction.presliding_stiffness",
             "joints[0].drive.stiffness[1]",
             "joints[0].drive.stiffness[0]",
             "gravity_m_per_s2[1]",

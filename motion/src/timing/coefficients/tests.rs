@@ -2,7 +2,7 @@ use nalgebra::{Isometry3, Vector3};
 
 use super::*;
 use crate::dynamics::{self, Workspace};
-use crate::test_arms::{random_arm, robot, values};
+use crate::test_arms::{loaded, random_arm, robot, values};
 use crate::timing::grid::{Grid, even, fixed_nodes};
 use crate::timing::limits::{JointLimits, Limits, Stretch};
 use crate::timing::measured::Polynomials;
@@ -23,15 +23,20 @@ fn limits(count: usize, velocity: f64) -> Limits {
 /// Torques of a motion along a path, against those of its positions, velocities and accelerations in time.
 #[test]
 fn torques_are_those_of_the_motion_in_time() {
-    let arm = robot(random_arm(6, 3));
+    for spec in [random_arm(6, 3), loaded(random_arm(6, 3))] {
+        those_of_the_motion_in_time(&robot(spec));
+    }
+}
+
+fn those_of_the_motion_in_time(arm: &crate::robot::Robot) {
     let curve = random_walk(6, 3, &[2.0; 6], 5);
     let limits = limits(6, 2.0);
     let fixed = fixed_nodes(&curve, &limits);
     let grid = Grid::new(even(&fixed, 20), &fixed, 2);
     let budget = Budget::unlimited();
     let tcp = Isometry3::translation(0.1, 0.0, 0.2);
-    let found = Coefficients::compute(&arm, &tcp, &curve, &limits, &grid.places, &budget).unwrap();
-    let ws = &mut Workspace::new(&arm);
+    let found = Coefficients::compute(arm, &tcp, &curve, &limits, &grid.places, &budget).unwrap();
+    let ws = &mut Workspace::new(arm);
     let (sd, sdd) = (0.7, -1.9);
     let mut point = CurvePoint::new(6);
     for (sample, place) in grid.places.iter().enumerate() {
@@ -40,7 +45,7 @@ fn torques_are_those_of_the_motion_in_time() {
         let bends = point.first.iter().zip(&point.second);
         let qdd: Vec<f64> = bends.map(|(d, dd)| d * sdd + dd * sd * sd).collect();
         let mut torque = vec![0.0; 6];
-        dynamics::drive_torque(&arm, ws, &point.position, &qd, &qdd, &mut torque);
+        dynamics::drive_torque(arm, ws, &point.position, &qd, &qdd, &mut torque);
         for (joint, torque) in torque.iter().enumerate() {
             let e = joint * found.stride + sample;
             let terms = &found.terms;

@@ -7,7 +7,7 @@ use crate::curve::Curve;
 use crate::measured::Polynomials;
 use crate::robot::Robot;
 use crate::robot::spec::{Drive, Friction};
-use crate::test_arms::{lift, planar, robot};
+use crate::test_arms::{lift, loaded, planar, robot};
 use crate::timing::limits::{JointLimits, Limits, Stretch};
 use crate::timing::test_curves::{puma560, random_walk, ur5e};
 use crate::timing::tests::own_limits;
@@ -124,6 +124,11 @@ fn no_limit_is_broken_between_samples() {
     for (name, arm, jerk) in [
         ("ur5e", with_drives(&ur5e()), 150.0),
         ("puma", with_drives(&puma560()), 120.0),
+        (
+            "puma, loaded",
+            robot(loaded(with_drives(&puma560()).spec().clone())),
+            120.0,
+        ),
     ] {
         let own = own_limits(&arm);
         let speeds: Vec<f64> = own.joints.iter().map(|joint| joint.velocity.unwrap()).collect();

@@ -57,7 +57,7 @@ impl WithSimd for Sweep<'_> {
             };
             for (joint, limits) in stretch.joints.iter().enumerate() {
                 let entry = joint * self.at.stride + first;
-                joint_uses(self.at, entry, limits, rates, uses);
+                joint_uses(self.at, [joint, entry], limits, rates, uses);
             }
             for k in 0..POINTS {
                 uses.square[k] = rates.square[k] / self.at.speed_bound[first + k];
@@ -75,7 +75,7 @@ fn column(values: &[f64], entry: usize) -> &Points {
 }
 
 #[inline(always)]
-fn joint_uses(at: &Coefficients, entry: usize, limits: &JointLimits, rates: &Rates, uses: &mut Uses) {
+fn joint_uses(at: &Coefficients, [joint, entry]: [usize; 2], limits: &JointLimits, rates: &Rates, uses: &mut Uses) {
     let first = column(&at.terms.first, entry);
     let second = column(&at.terms.second, entry);
     let (velocity, square, acceleration) = (&rates.velocity, &rates.square, &rates.acceleration);
@@ -102,13 +102,14 @@ fn joint_uses(at: &Coefficients, entry: usize, limits: &JointLimits, rates: &Rat
         }
     }
     if let Some(limit) = limits.torque {
-        torque_uses(at, entry, limit, rates, uses);
+        torque_uses(at, [joint, entry], limit, rates, uses);
     }
 }
 
-/// Coulomb torque jumps where a joint turns round: it is added after the parabola.
+/// Coulomb torque jumps where a joint turns round: it is added after the parabola. That of the load goes with the gravity
+/// torque, with either sign: the higher parabola counts.
 #[inline(always)]
-fn torque_uses(at: &Coefficients, entry: usize, limit: f64, rates: &Rates, uses: &mut Uses) {
+fn torque_uses(at: &Coefficients, [joint, entry]: [usize; 2], limit: f64, rates: &Rates, uses: &mut Uses) {
     let mass = column(&at.terms.mass, entry);
     let bend = column(&at.terms.velocity, entry);
     let viscous = column(&at.viscous, entry);
@@ -120,7 +121,21 @@ fn torque_uses(at: &Coefficients, entry: usize, limit: f64, rates: &Rates, uses:
         let dynamic = mass[k] * rates.acceleration[k] + bend[k] * rates.square[k] + viscous[k] * rates.velocity[k];
         value[k] = (dynamic + gravity[k]) / limit;
     }
-    let [up, down] = peaks(&value);
+    let [mut up, mut down] = peaks(&value);
+    let load = at.load_coulomb[joint] / limit;
+    if load != 0.0 {
+        for sign in [load, -load] {
+            let mut loaded = value;
+            for k in 0..POINTS {
+                loaded[k] += sign * gravity[k];
+            }
+            let [high, low] = peaks(&loaded);
+            for k in 0..POINTS {
+                up[k] = up[k].max(high[k] - sign * gravity[k]);
+                down[k] = down[k].max(low[k] + sign * gravity[k]);
+            }
+        }
+    }
     let mut worst = 0.0_f64;
     for k in 0..POINTS {
         let used = (up[k] + high[k] / limit).max(down[k] - low[k] / limit);

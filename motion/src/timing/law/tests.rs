@@ -95,6 +95,50 @@ fn durations_are_those_of_closed_forms() {
     close(rest.time_to(0.5), 3.0 * 0.5 / 2f64.sqrt(), 1e-14);
 }
 
+/// ∫ dx/√(m + (x − p)²) = asinh((x − p)/√m): a speed that is as high at both ends of a piece as it is low in the middle.
+#[test]
+fn a_dip_of_the_speed_within_a_piece_takes_its_time() {
+    for dip in [1.0, 0.1, 1e-2, 1e-4, 1e-6] {
+        for place in [-0.2, 0.0, 0.3, 0.5, 0.9] {
+            let square = dip * dip;
+            let piece = Piece {
+                begin: 0.0,
+                end: 1.0,
+                form: Form::Polynomial([square + place * place, -2.0 * place, 1.0, 0.0]),
+            };
+            let time = |x: f64| ((x - place) / dip).asinh() + (place / dip).asinh();
+            for x in [1e-3, 0.1, 0.299, 0.3, 0.5, 0.77, 1.0] {
+                // near the dip a itself is a difference of larger numbers
+                close(piece.time_to(x), time(x), 1e-11f64.max(1e-16 / square));
+            }
+            // times grow with places, over the borders of panels too
+            let times: Vec<f64> = (0..=4096).map(|at| piece.time_to(f64::from(at) / 4096.0)).collect();
+            assert!(times.is_sorted_by(|a, b| a < b));
+        }
+    }
+}
+
+/// The velocity that is told is the one at which places pass, also where a(s) dips within a piece.
+#[test]
+fn places_pass_at_the_velocity_that_is_told() {
+    let dip = Form::Polynomial([0.26, -1.0, 1.0, 0.0]);
+    let law = TimeLaw::new(vec![Piece {
+        begin: 0.0,
+        end: 1.0,
+        form: dip,
+    }]);
+    let law = law.unwrap();
+    let step = law.duration() / 1000.0;
+    for k in 1..1000 {
+        let [before, after] = [-0.5, 0.5].map(|side| law.at(step * (f64::from(k) + side)));
+        let mean = (after.position - before.position) / step;
+        // Simpson's rule, whose error is of the fourth order
+        let middle = law.at(step * f64::from(k));
+        let told = (before.velocity + 4.0 * middle.velocity + after.velocity) / 6.0;
+        close(mean, told, 1e-10);
+    }
+}
+
 #[test]
 fn a_slower_motion_is_at_the_same_places() {
     let law = law();

@@ -2,11 +2,16 @@
 
 use super::super::rows::{RowPlaces, Rows};
 use super::*;
+use crate::test_arms::loaded;
 
 /// Torque and speed along random paths, with friction and rotors that real arms have.
 #[test]
 fn no_limit_is_broken_between_samples() {
-    for (name, arm) in [("ur5e", with_drives(&ur5e())), ("puma", with_drives(&puma560()))] {
+    for (name, arm) in [
+        ("ur5e", with_drives(&ur5e())),
+        ("puma", with_drives(&puma560())),
+        ("ur5e, loaded", robot(loaded(with_drives(&ur5e()).spec().clone()))),
+    ] {
         let own = own_limits(&arm);
         let speeds: Vec<f64> = own.joints.iter().map(|joint| joint.velocity.unwrap()).collect();
         let mut paths = 0;
@@ -136,7 +141,10 @@ fn rows_at_the_beginning_of_intervals_alone_break_limits() {
 /// Speeds at both ends, with friction.
 #[test]
 fn no_limit_is_broken_between_speeds_at_the_ends() {
-    for (name, arm) in [("ur5e", with_drives(&ur5e())), ("puma", with_drives(&puma560()))] {
+    for (name, arm) in [
+        ("ur5e", with_drives(&ur5e())),
+        ("puma, loaded", robot(loaded(with_drives(&puma560()).spec().clone()))),
+    ] {
         let own = own_limits(&arm);
         let speeds: Vec<f64> = own.joints.iter().map(|joint| joint.velocity.unwrap()).collect();
         let limits = Limits::uniform(own);
@@ -164,7 +172,7 @@ fn no_limit_is_broken_by_random_arms() {
         for joint in &mut spec.joints {
             joint.drive.peak_torque = Some(900.0);
         }
-        let arm = robot(spec);
+        let arm = robot(if seed % 2 == 0 { spec } else { loaded(spec) });
         let curve = random_walk(count, 2, &vec![3.0; count], 800 + seed);
         let own = own_limits(&arm);
         let stretch = |end: f64, tool: f64, acceleration| Stretch {

@@ -215,6 +215,7 @@ impl SetpointsOf {
                 velocity: part(&columns.velocity, &piece),
                 acceleration: part(&columns.acceleration, &piece),
                 torque: part(&columns.torque, &piece),
+                ..v1::JointColumns::default()
             });
         let mut wire = v1::Setpoints {
             time_s: part(&samples.time, &piece),
@@ -239,7 +240,7 @@ fn part<T: Clone>(column: &[T], piece: &Range<usize>) -> Vec<T> {
     column.get(piece.start.min(end)..end).unwrap_or_default().to_vec()
 }
 
-fn infeasible_to_wire(refusal: PathInfeasible, robot: &RobotSpec) -> v1::PathInfeasible {
+pub(in crate::convert) fn infeasible_to_wire(refusal: PathInfeasible, robot: &RobotSpec) -> v1::PathInfeasible {
     use v1::path_infeasible::Reason;
     let reason = match refusal.reason {
         PathInfeasibleReason::OutOfReach => Reason::OutOfReach,

@@ -13,7 +13,7 @@ use takt_motion::{
 
 use super::blend;
 use crate::{
-    convert::{Findings, Path, SMALLEST, plan, quoted, robot, robot::LENGTH_MAX},
+    convert::{Findings, Path, SMALLEST, plan, robot, robot::LENGTH_MAX, unknown},
     v1,
 };
 
@@ -225,9 +225,10 @@ impl Reader<'_> {
     /// A frame of the robot by its name; the empty name is none.
     fn frame(self, wire: Option<String>, at: Path<'_>, findings: &mut Findings) -> Option<String> {
         let name = wire.filter(|name| !name.is_empty())?;
-        let known = |robot: &RobotSpec| robot.frames.iter().any(|(known, _)| *known == name);
-        if !self.robot.is_none_or(known) {
-            findings.push(at, format!("the robot has no frame {}", quoted(&name)));
+        let stranger = |robot: &&RobotSpec| robot.frames.iter().all(|(known, _)| *known != name);
+        if let Some(robot) = self.robot.filter(stranger) {
+            let known = robot.frames.iter().map(|(name, _)| name.as_str());
+            findings.push(at, unknown("frame", &name, known));
         }
         Some(name)
     }

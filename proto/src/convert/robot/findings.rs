@@ -17,6 +17,11 @@ pub fn finding_on_spec(invalid: Invalid, spec: &RobotSpec, wire: &v1::RobotDescr
     let row = wire.dh.as_ref();
     let row = row.and_then(|table| table.links.iter().position(|row| row.name == joint.name));
     let on_link = rest.strip_prefix("link");
+    let fitted = wire.link_inertia.iter().position(|body| body.joint == joint.name);
+    if let (Some(rest), Some(fitted)) = (on_link, fitted) {
+        let message = format!("joint {}: {}", quoted(&joint.name), invalid.message);
+        return Invalid::new(format!("link_inertia[{fitted}]{rest}"), message);
+    }
     let path = match (on_link, entry, row) {
         (Some(rest), _, Some(row)) => format!("dh.links[{row}]{rest}"),
         (None, Some(entry), _) => format!("joints[{entry}]{}{rest}", if rest.is_empty() { "" } else { "." }),

@@ -50,6 +50,8 @@ fn build(kinematics: Kinematics) -> Robot {
         tcp: None,
         frames: Vec::new(),
         use_urdf_dynamics: false,
+        link_inertia: Vec::new(),
+        uncertainty: None,
     };
     Robot::new(description.resolve().unwrap().spec, Vec::new()).unwrap()
 }

@@ -1,0 +1,26 @@
+//! `takt drive`.
+
+mod commit;
+mod estimate;
+mod fit;
+
+use clap::Subcommand;
+use takt_client::Client;
+
+use crate::{failure::Failure, io::Io};
+
+/// Finds out what drives are like, from what they report.
+#[derive(Debug, Subcommand)]
+pub(crate) enum DriveCommand {
+    Estimate(Box<estimate::EstimateArgs>),
+    Fit(Box<fit::FitArgs>),
+    Commit(commit::CommitArgs),
+}
+
+pub(crate) async fn run(command: DriveCommand, client: &Client, io: &mut Io) -> Result<u8, Failure> {
+    match command {
+        DriveCommand::Estimate(args) => estimate::run(*args, client, io).await,
+        DriveCommand::Fit(args) => fit::run(*args, client, io).await,
+        DriveCommand::Commit(args) => commit::run(args, client, io).await,
+    }
+}

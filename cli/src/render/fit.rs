@@ -1,0 +1,192 @@
+//! Fits: how well the model says the torque, what was found, and what the motion does not tell.
+
+use std::fmt::Write;
+
+use takt_client::v1::{self, fit_parameter::Parameter, fitted_parameter::Kind};
+
+use super::{
+    table::{Cell, Table, Tone, number, paint},
+    words::Units,
+};
+use crate::io::Terminal;
+
+/// Below this part an estimate is the description's, not the motion's.
+const HARDLY_TOLD: f64 = 0.5;
+
+/// Part of a residual that poses may explain before the bodies are to be doubted.
+const POSE_SHARE: f64 = 0.3;
+
+/// A fit, for a person.
+pub(crate) fn fit(fit: &v1::MotionFit, robot: &v1::Robot, terminal: Terminal) -> String {
+    let mut out = errors(fit, robot).render_for(terminal);
+    let _ = writeln!(
+        out,
+        "{} samples; {} of {} parameters determined by the motion{}",
+        fit.sample_count,
+        number(fit.determined, 4),
+        fit.estimates.len(),
+        fit.ridge
+            .map_or_else(String::new, |ridge| format!("; ridge {}", number(ridge, 3)))
+    );
+    out.push('\n');
+    out.push_str(&estimates(fit, robot).render_for(terminal));
+    for joint in &fit.joints {
+        if joint.pose_share > POSE_SHARE {
+            let _ = writeln!(
+                out,
+                "{} {:.0} % of what is left of {} depends on the position of {}: its body is not right yet",
+                paint("note:", Tone::Bold, terminal.colour),
+                100.0 * joint.pose_share,
+                joint.joint,
+                joint.pose_joint
+            );
+        }
+    }
+    for warning in &fit.warnings {
+        let _ = writeln!(out, "{} {warning}", paint("warning:", Tone::Bold, terminal.colour));
+    }
+    out
+}
+
+fn percent(part: f64) -> String {
+    format!("{:.1} %", 100.0 * part)
+}
+
+/// Torque errors by joint: of the fit, and of the part to be compared with.
+fn errors(fit: &v1::MotionFit, robot: &v1::Robot) -> Table {
+    let mut table = Table::new([
+        "joint",
+        "fitted",
+        "left out",
+        "model before",
+        "model after",
+        "95 % within",
+        "of peak",
+        "covered",
+        "width",
+    ])
+    .numbers_from(1);
+    let of = |assessment: &Option<v1::Assessment>, index: usize| {
+        let assessment = assessment.as_ref();
+        assessment.and_then(|assessment| assessment.joints.get(index).cloned())
+    };
+    let dash = || Cell::new("–", Tone::Dim);
+    for (index, joint) in fit.joints.iter().enumerate() {
+        let (before, after) = (of(&fit.before, index), of(&fit.after, index));
+        let unit = Units::default().of(robot, &joint.joint).torque;
+        let interval = after.as_ref().and_then(|after| after.interval);
+        table.row([
+            Cell::from(joint.joint.clone()),
+            Cell::from(percent(joint.fitted_error)),
+            Cell::from(percent(joint.validated_error)),
+            before.map_or_else(dash, |before| percent(before.error).into()),
+            after
+                .as_ref()
+                .map_or_else(dash, |after| Cell::new(percent(after.error), Tone::Bold)),
+            after
+                .as_ref()
+                .map_or_else(dash, |after| format!("{} {unit}", number(after.percentile, 3)).into()),
+            after
+                .as_ref()
+                .and_then(|after| after.percentile_of_peak)
+                .map_or_else(dash, |part| percent(part).into()),
+            interval.map_or_else(dash, |interval| percent(interval.coverage).into()),
+            interval.map_or_else(dash, |interval| format!("x {:.2}", interval.over_narrowest).into()),
+        ]);
+    }
+    table
+}
+
+fn estimates(fit: &v1::MotionFit, robot: &v1::Robot) -> Table {
+    let mut table = Table::new(["of", "what", "value", "± 1 σ", "before", "unit", "told"]).numbers_from(2);
+    for one in &fit.estimates {
+        let (of, what, unit) = named(one.parameter.as_ref(), robot);
+        let told = match one.told {
+            _ if one.held => Cell::new("held at 0", Tone::Dim),
+            told if told < HARDLY_TOLD => Cell::new(format!("{:.0} %", 100.0 * told), Tone::Bad),
+            told => Cell::from(format!("{:.0} %", 100.0 * told)),
+        };
+        table.row([
+            Cell::from(of),
+            Cell::from(what),
+            Cell::from(number(one.value, 4)),
+            Cell::from(number(one.standard_error, 2)),
+            Cell::new(number(one.described, 4), Tone::Dim),
+            Cell::new(unit, Tone::Dim),
+            told,
+        ]);
+    }
+    table
+}
+
+/// What the motion does not say, for a person.
+pub(crate) fn missing(missing: &v1::NotExcited, colour: bool) -> String {
+    let mut out = format!("{}\n", paint("the motion does not say enough:", Tone::Bad, colour));
+    for one in &missing.missing {
+        let _ = writeln!(out, "  {}", one.message);
+        let names: Vec<String> = one
+            .parameters
+            .iter()
+            .map(|parameter| {
+                let (of, what, _) = named(Some(parameter), &v1::Robot::default());
+                format!("{of} {what}")
+            })
+            .collect();
+        if !names.is_empty() {
+            let _ = writeln!(out, "    left open: {}", names.join(", "));
+        }
+    }
+    out
+}
+
+fn named(parameter: Option<&v1::FitParameter>, robot: &v1::Robot) -> (String, String, String) {
+    match parameter.and_then(|parameter| parameter.parameter.clone()) {
+        Some(Parameter::Joint(one)) => {
+            let torque = Units::default().of(robot, &one.joint).torque;
+            let (what, unit) = kind(one.kind(), torque);
+            (one.joint, what.to_owned(), unit.to_owned())
+        }
+        Some(Parameter::Payload(number)) => {
+            const WHAT: [(&str, &str); 11] = [
+                ("", ""),
+                ("mass", "kg"),
+                ("first moment x", "kg m"),
+                ("first moment y", "kg m"),
+                ("first moment z", "kg m"),
+                ("inertia xx", "kg m²"),
+                ("inertia yy", "kg m²"),
+                ("inertia zz", "kg m²"),
+                ("inertia xy", "kg m²"),
+                ("inertia xz", "kg m²"),
+                ("inertia yz", "kg m²"),
+            ];
+            let index = usize::try_from(number).unwrap_or(0);
+            let (what, unit) = WHAT.get(index).copied().unwrap_or(("", ""));
+            ("payload".to_owned(), what.to_owned(), unit.to_owned())
+        }
+        None => Default::default(),
+    }
+}
+
+fn kind(kind: Kind, torque: &'static str) -> (&'static str, &'static str) {
+    let turns = torque != "N";
+    match kind {
+        Kind::Unspecified => ("", ""),
+        Kind::Mass => ("mass", "kg"),
+        Kind::FirstMomentX => ("first moment x", "kg m"),
+        Kind::FirstMomentY => ("first moment y", "kg m"),
+        Kind::FirstMomentZ => ("first moment z", "kg m"),
+        Kind::InertiaXx => ("inertia xx", "kg m²"),
+        Kind::InertiaYy => ("inertia yy", "kg m²"),
+        Kind::InertiaZz => ("inertia zz", "kg m²"),
+        Kind::InertiaXy => ("inertia xy", "kg m²"),
+        Kind::InertiaXz => ("inertia xz", "kg m²"),
+        Kind::InertiaYz => ("inertia yz", "kg m²"),
+        Kind::Armature => ("rotor, reflected", if turns { "kg m²" } else { "kg" }),
+        Kind::Viscous => ("viscous", if turns { "N m s/rad" } else { "N s/m" }),
+        Kind::CoulombPositive => ("Coulomb +", torque),
+        Kind::CoulombNegative => ("Coulomb −", torque),
+        Kind::LoadCoulomb => ("Coulomb of the load", ""),
+        Kind::Quadratic => ("quadratic", if turns { "N m s²/rad²" } else { "N s²/m²" }),
+    }
+}

@@ -1,0 +1,248 @@
+//! Estimates, fits, commits and rehearsals.
+
+use super::{call, exit, server};
+
+/// Two joints without mass: their whole torque is friction, but for what their rotors take.
+const BARE: &str = r#"
+dh:
+  convention: STANDARD
+  links:
+  - {name: a, type: REVOLUTE, a_m: 0.5, alpha_rad: 0, d_m: 0, theta_rad: 0}
+  - {name: b.c, type: REVOLUTE, a_m: 0.5, alpha_rad: 0, d_m: 0, theta_rad: 0}
+joints:
+- {name: a, limits: {position_lower: -3, position_upper: 3, velocity: 3}, drive: {peak_torque: 80, rotor_inertia_kg_m2: 0.01}}
+- {name: b.c, limits: {position_lower: -3, position_upper: 3, velocity: 4}, drive: {peak_torque: 30, rotor_inertia_kg_m2: 0.01}}
+"#;
+
+/// Coulomb and viscous friction of the joints.
+const FRICTION: [(f64, f64); 2] = [(5.0, 7.0), (2.0, 3.0)];
+
+fn arm() -> String {
+    let server = server();
+    let said = call(&server, &["robot", "register", "arm", "--description", "-"], BARE);
+    assert_eq!(said.code, exit::OK, "{}", said.errors);
+    server
+}
+
+/// A log of 1 kHz: the first joint by number, the second by name.
+fn log(samples: u32) -> String {
+    let mut text = "t,q1,qd1,tau1,b.c.position,b.c.velocity,b.c.torque,temperature\n".to_owned();
+    for index in 0..samples {
+        let time = f64::from(index) * 1e-3;
+        text.push_str(&format!("{time}"));
+        for (rate, (coulomb, viscous)) in [1.3_f64, 1.9].into_iter().zip(FRICTION) {
+            let (sin, cos) = (rate * time).sin_cos();
+            let (q, qd) = (0.8 * sin, 0.8 * rate * cos);
+            text.push_str(&format!(
+                ",{q},{qd},{}",
+                coulomb * qd.signum() + viscous * qd - 0.01 * rate * rate * q
+            ));
+        }
+        text.push_str(",31.5\n");
+    }
+    text
+}
+
+#[test]
+fn friction_is_estimated_shown_and_committed() {
+    let server = arm();
+    let log = log(8000);
+    let table = call(&server, &["drive", "estimate", "arm", "-", "--plot"], &log);
+    assert_eq!(table.code, exit::OK, "{}", table.errors);
+    for part in [
+        "Coulomb",
+        "viscous",
+        "N m s/rad",
+        "b.c",
+        "8000 samples",
+        "Coulomb torque [N m]",
+    ] {
+        assert!(table.output.contains(part), "{part}: {}", table.output);
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (csv, estimate, picture) = (file("log.csv"), file("estimate.json"), file("friction.svg"));
+    std::fs::write(&csv, &log).unwrap();
+    for transport in ["grpc", "http"] {
+        let line = [
+            "--transport",
+            transport,
+            "drive",
+            "estimate",
+            "arm",
+            &csv,
+            "--json",
+            "--svg",
+            &picture,
+        ];
+        let said = call(&server, &line, "");
+        assert_eq!(said.code, exit::OK, "{}", said.errors);
+        let reply: serde_json::Value = serde_json::from_str(&said.output).unwrap();
+        let viscous = reply["joints"][0]["coefficients"][1]["value"].as_f64().unwrap();
+        assert!((viscous - FRICTION[0].1).abs() < 0.1, "{viscous}");
+        std::fs::write(&estimate, said.output).unwrap();
+    }
+    assert!(std::fs::read_to_string(&picture).unwrap().starts_with("<svg"));
+    let checked = call(&server, &["drive", "commit", "arm", &estimate, "--validate-only"], "");
+    assert!(
+        checked.output.starts_with("valid, nothing stored"),
+        "{}{}",
+        checked.output,
+        checked.errors
+    );
+    let done = call(
+        &server,
+        &["drive", "commit", "arm", &estimate, "--note", "new gear"],
+        "",
+    );
+    assert_eq!(done.code, exit::OK, "{}", done.errors);
+    assert!(done.output.contains("changed: a, b.c"), "{}", done.output);
+    let shown = call(&server, &["robot", "show", "arm", "--description"], "");
+    assert!(
+        shown.output.contains("new gear") && shown.output.contains("EstimateFriction"),
+        "{}",
+        shown.output
+    );
+    let late = call(&server, &["drive", "commit", "arm", &estimate], "");
+    assert_eq!(late.code, exit::USAGE, "somebody was faster");
+}
+
+#[test]
+fn an_estimate_goes_on_from_a_saved_state_and_comes_line_by_line() {
+    let server = arm();
+    let folder = tempfile::tempdir().unwrap();
+    let state = folder.path().join("state.json").to_str().unwrap().to_owned();
+    let said = call(
+        &server,
+        &["drive", "estimate", "arm", "-", "--save-state", &state],
+        &log(3000),
+    );
+    assert_eq!(said.code, exit::OK, "{}{}", said.output, said.errors);
+    let rest: String = log(6000)
+        .lines()
+        .enumerate()
+        .filter(|(row, _)| *row == 0 || *row > 3000)
+        .map(|(_, line)| format!("{line}\n"))
+        .collect();
+    let said = call(
+        &server,
+        &["drive", "estimate", "arm", "-", "--state", &state, "--lines"],
+        &rest,
+    );
+    assert_eq!(said.code, exit::OK, "{}", said.errors);
+    let last: serde_json::Value = serde_json::from_str(said.output.lines().next_back().unwrap()).unwrap();
+    assert!(said.output.lines().count() > 25);
+    assert_eq!(last["sample_count"], "6000");
+}
+
+#[test]
+fn what_is_wrong_with_a_log_is_said_with_what_to_do() {
+    let server = arm();
+    for (line, text, code, part) in [
+        (vec!["drive", "estimate", "arm", "-"], "x,y\n1,2\n", exit::USAGE, "hint"),
+        (vec!["drive", "estimate", "arm", "-"], "t,q1,q3\n", exit::USAGE, "q3"),
+        (
+            vec!["drive", "estimate", "arm", "-"],
+            "t,q1\n0,a\n",
+            exit::USAGE,
+            "line 2",
+        ),
+        (
+            vec!["drive", "estimate", "arm", "-"],
+            "t,q1\n0,1\n",
+            exit::USAGE,
+            "every joint or for none",
+        ),
+        (
+            vec!["drive", "estimate", "nobody", "-"],
+            "",
+            exit::USAGE,
+            "takt robot list",
+        ),
+        (vec!["drive", "fit", "arm", "-"], "", exit::USAGE, "empty"),
+        (
+            vec!["drive", "fit", "arm", "-", "--test", "9..8"],
+            "",
+            exit::USAGE,
+            "not before",
+        ),
+        (
+            vec!["drive", "commit", "arm", "-"],
+            "{}",
+            exit::USAGE,
+            "proposes no change",
+        ),
+    ] {
+        let said = call(&server, &line, text);
+        assert_eq!(said.code, code, "{line:?}: {}", said.errors);
+        assert!(said.errors.contains(part), "{line:?}: {}", said.errors);
+    }
+    // Who stands still is told what is missing.
+    let still: String = (0..500)
+        .map(|index| format!("{},0,0,1,0,0,1\n", f64::from(index) * 1e-3))
+        .collect();
+    let still = format!("t,q1,qd1,tau1,q2,qd2,tau2\n{still}");
+    let said = call(&server, &["drive", "estimate", "arm", "-"], &still);
+    assert_eq!(said.code, exit::NO);
+    assert!(said.output.contains("missing:"), "{}", said.output);
+}
+
+#[test]
+fn a_recording_is_fitted_and_compared() {
+    let server = arm();
+    let log = log(9000);
+    let line = [
+        "drive",
+        "fit",
+        "arm",
+        "-",
+        "--scope",
+        "friction",
+        "--identify",
+        "0..6",
+        "--test",
+        "6.5..8.5",
+    ];
+    let said = call(&server, &line, &log);
+    assert_eq!(said.code, exit::OK, "{}{}", said.output, said.errors);
+    for part in ["model before", "model after", "viscous", "Coulomb +"] {
+        assert!(said.output.contains(part), "{part}: {}", said.output);
+    }
+    assert!(said.errors.contains("temperature"), "{}", said.errors);
+    let json = call(&server, &[&line[..], &["--json"]].concat(), &log);
+    let done = call(&server, &["drive", "commit", "arm", "-"], &json.output);
+    assert_eq!(done.code, exit::OK, "{}", done.errors);
+}
+
+#[test]
+fn a_move_is_rehearsed_side_by_side() {
+    let server = server();
+    let motion = [
+        "rehearse",
+        "scara",
+        "--from",
+        "-1,1,0.1,0",
+        "--to",
+        "-0.5,0.6,0.12,0.4",
+        "--friction",
+        "1.5",
+    ];
+    let said = call(
+        &server,
+        &[&motion[..], &["--drift", "shoulder=0.1", "--settle", "200ms", "--plot"]].concat(),
+        "",
+    );
+    assert_eq!(said.code, exit::OK, "{}{}", said.output, said.errors);
+    for part in ["model", "adapted", "tool off by", "off, adapted [rad]"] {
+        assert!(said.output.contains(part), "{part}: {}", said.output);
+    }
+    let json = call(&server, &[&motion[..], &["--json"]].concat(), "");
+    let reply: serde_json::Value = serde_json::from_str(&json.output).unwrap();
+    assert_eq!(reply["rehearsal"]["adapted"]["end"], "COMPLETED");
+    let far = call(
+        &server,
+        &["rehearse", "scara", "--from", "-1,1,0.1,0", "--to", "9,0,0,0"],
+        "",
+    );
+    assert_eq!(far.code, exit::USAGE, "{}", far.errors);
+}

@@ -1,0 +1,296 @@
+//! An estimate as the friction of a model, for its next revision.
+//!
+//! Friction takes power at every speed: no coefficient is below 0. Where an estimate has one that is, it is set to 0 and the others
+//! move to where they are likeliest then (the mean of their normal distribution given that one: f − Σ·e·fᵢ/Σᵢᵢ).
+
+use super::factor::lower;
+use super::law::{FrictionLaw, at_the_joint};
+use super::options::FrictionSide;
+use super::report::{CommittedFriction, JointEstimate};
+use crate::robot::spec::{Drive, Friction, Parameter, ParameterKind, Residual};
+
+use super::law::Term;
+
+impl JointEstimate {
+    /// The friction, seen from the joint, with what had to be changed so that it is physical.
+    #[must_use]
+    pub fn friction(&self) -> CommittedFriction {
+        let mut values: Vec<f64> = self.coefficients.iter().map(|coefficient| coefficient.value).collect();
+        let mut covariance = self.covariance.clone();
+        let mut warnings = Vec::new();
+        // each round settles one coefficient for good
+        for _ in 0..values.len() {
+            let Some(worst) = self.worst(&values, &covariance) else {
+                break;
+            };
+            let (value, deviation) = (values[worst], self.coefficients[worst].deviation);
+            warnings.push(format!(
+                "the {} was estimated at {value:.4e} with a standard error of {deviation:.1e}: it is 0, and the other terms are fitted to that",
+                self.coefficients[worst].term.name()
+            ));
+            condition(&mut values, &mut covariance, worst);
+        }
+        // a coefficient that was fitted to another's 0 can only be below 0 by rounding
+        for value in &mut values {
+            *value = value.max(0.0);
+        }
+        CommittedFriction {
+            friction: self.law.friction(&values),
+            warnings,
+        }
+    }
+
+    /// Puts the friction into a drive, in the place of that side's; the stiffness before sliding stays. The total friction
+    /// stands for both sides', and is stated at the joint. Returns what had to be changed so that it is physical.
+    pub fn commit(&self, drive: &mut Drive) -> Vec<String> {
+        let CommittedFriction { mut friction, warnings } = self.friction();
+        match self.side {
+            FrictionSide::Total => {
+                friction.presliding_stiffness = presliding(drive);
+                drive.motor_friction = Friction::default();
+                drive.joint_friction = friction;
+            }
+            FrictionSide::Joint => {
+                friction.presliding_stiffness = drive.joint_friction.presliding_stiffness;
+                drive.joint_friction = friction;
+            }
+            FrictionSide::Motor => {
+                let mut motor = at_the_joint(&friction, 1.0 / drive.gear_ratio);
+                motor.presliding_stiffness = drive.motor_friction.presliding_stiffness;
+                drive.motor_friction = motor;
+            }
+        }
+        warnings
+    }
+
+    /// Torque of friction at a speed ≠ 0, rad/s or m/s, and a gravity torque, N m or N; and its standard error.
+    #[must_use]
+    pub fn torque_at(&self, velocity: f64, gravity: f64) -> (f64, f64) {
+        let psi = self.law.regressors(velocity, gravity);
+        let count = self.coefficients.len();
+        let torque = (0..count).map(|i| psi[i] * self.coefficients[i].value).sum();
+        let variance: f64 = (0..count)
+            .map(|i| {
+                (0..count)
+                    .map(|k| psi[i] * self.covariance[lower(i, k)] * psi[k])
+                    .sum::<f64>()
+            })
+            .sum();
+        (torque, libm::sqrt(variance.max(0.0)))
+    }
+
+    /// What the estimate leaves unsaid of the joint's torque; `None` before its correlation is known.
+    #[must_use]
+    pub fn residual(&self) -> Option<Residual> {
+        Some(Residual {
+            deviation: self.residual_rms,
+            correlation_time: self.correlation_time?,
+            degrees_of_freedom: self.residual_tails,
+        })
+    }
+
+    /// The coefficients as parameters of a model's uncertainty, with their covariance (its lower triangle row by row). A Coulomb
+    /// torque for both directions is two parameters that are off alike.
+    #[must_use]
+    pub fn parameters(&self, joint: usize) -> (Vec<Parameter>, Vec<f64>) {
+        let of: Vec<(usize, ParameterKind)> = (0..self.coefficients.len())
+            .flat_map(|index| kinds(self.law, index).iter().map(move |&kind| (index, kind)))
+            .collect();
+        let parameters = of.iter().map(|&(_, kind)| Parameter { joint, kind }).collect();
+        let rows = of.iter().enumerate();
+        let covariance = rows
+            .flat_map(|(row, &(index, _))| of[..=row].iter().map(move |&(other, _)| lower(index, other)))
+            .map(|entry| self.covariance[entry])
+            .collect();
+        (parameters, covariance)
+    }
+
+    /// The coefficient that is furthest below 0, in its standard errors.
+    fn worst(&self, values: &[f64], covariance: &[f64]) -> Option<usize> {
+        let distance = |index: usize| values[index] / libm::sqrt(covariance[lower(index, index)]);
+        (0..values.len())
+            .filter(|&index| values[index] < 0.0 && covariance[lower(index, index)] > 0.0)
+            .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
+    }
+}
+
+/// Makes one coefficient 0, and known.
+fn condition(values: &mut [f64], covariance: &mut [f64], fixed: usize) {
+    let count = values.len();
+    let column: Vec<f64> = (0..count).map(|index| covariance[lower(index, fixed)]).collect();
+    let (value, variance) = (values[fixed], column[fixed]);
+    for row in 0..count {
+        values[row] -= column[row] * value / variance;
+        for other in 0..=row {
+            covariance[lower(row, other)] -= column[row] * column[other] / variance;
+        }
+    }
+    values[fixed] = 0.0;
+    for index in 0..count {
+        covariance[lower(index, fixed)] = 0.0;
+    }
+}
+
+/// The stiffness before sliding that both sides have together, at the joint.
+fn presliding(drive: &Drive) -> Option<f64> {
+    let motor = at_the_joint(&drive.motor_friction, drive.gear_ratio).presliding_stiffness;
+    match (drive.joint_friction.presliding_stiffness, motor) {
+        // contacts that slide on either side of one gear deflect one after the other
+        (Some(joint), Some(motor)) => Some(joint.min(motor)),
+        (joint, motor) => joint.or(motor),
+    }
+}
+
+fn kinds(law: FrictionLaw, index: usize) -> &'static [ParameterKind] {
+    match law.term(index) {
+        Term::Coulomb => &[ParameterKind::CoulombPositive, ParameterKind::CoulombNegative],
+        Term::CoulombPositive => &[ParameterKind::CoulombPositive],
+        Term::CoulombNegative => &[ParameterKind::CoulombNegative],
+        Term::Viscous => &[ParameterKind::Viscous],
+        Term::LoadCoulomb => &[ParameterKind::LoadCoulomb],
+        Term::Quadratic => &[ParameterKind::Quadratic],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::drive::estimate::report::{Coefficient, SkippedOfJoint};
+
+    fn estimate(law: FrictionLaw, values: &[f64], covariance: &[f64], side: FrictionSide) -> JointEstimate {
+        let coefficients = values
+            .iter()
+            .enumerate()
+            .map(|(index, &value)| Coefficient {
+                term: law.term(index),
+                value,
+                deviation: covariance[lower(index, index)].sqrt(),
+                lower: value,
+                upper: value,
+                told: true,
+            })
+            .collect();
+        JointEstimate {
+            side,
+            law,
+            coefficients,
+            covariance: covariance.to_vec(),
+            degrees_of_freedom: Some(30.0),
+            residual_rms: 0.5,
+            residual_deviation: 0.4,
+            correlation_time: Some(0.2),
+            residual_tails: 6.0,
+            friction_torque: None,
+            used_count: 1,
+            discounted_count: 0,
+            skipped: SkippedOfJoint::default(),
+            missing: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_is_zero_and_the_rest_follows() {
+        // Coulomb and viscous friction that could not be told apart: only their sum at 1 rad/s is known
+        let given = estimate(
+            FrictionLaw::default(),
+            &[-1.0, 3.0],
+            &[4.0, -3.99, 4.0],
+            FrictionSide::Total,
+        );
+        let committed = given.friction();
+        assert_eq!(committed.friction.coulomb_positive, 0.0);
+        assert!((committed.friction.viscous - 2.0).abs() < 0.01, "{committed:?}");
+        assert_eq!(committed.warnings.len(), 1);
+        assert!(
+            committed.warnings[0].contains("Coulomb torque"),
+            "{:?}",
+            committed.warnings
+        );
+
+        let given = estimate(
+            FrictionLaw::default(),
+            &[-1.0, -3.0],
+            &[0.01, 0.0, 0.01],
+            FrictionSide::Total,
+        );
+        let committed = given.friction();
+        assert!(committed.friction.is_zero() && committed.warnings.len() == 2);
+    }
+
+    #[test]
+    fn a_commit_replaces_the_side_that_was_estimated() {
+        let law = FrictionLaw {
+            by_direction: true,
+            ..FrictionLaw::default()
+        };
+        let covariance = [0.01, 0.0, 0.01, 0.0, 0.0, 0.01];
+        let drive = Drive {
+            gear_ratio: -50.0,
+            motor_friction: Friction {
+                viscous: 1.0,
+                presliding_stiffness: Some(2.0),
+                ..Friction::default()
+            },
+            joint_friction: Friction {
+                viscous: 7.0,
+                presliding_stiffness: Some(9000.0),
+                ..Friction::default()
+            },
+            ..Drive::default()
+        };
+        let committed = |side| {
+            let mut drive = drive.clone();
+            assert_eq!(
+                estimate(law, &[2.0, 3.0, 5.0], &covariance, side).commit(&mut drive),
+                [""; 0]
+            );
+            drive
+        };
+        let total = committed(FrictionSide::Total);
+        assert!(total.motor_friction.is_zero());
+        assert_eq!(
+            (total.joint_friction.viscous, total.joint_friction.coulomb_negative),
+            (5.0, 3.0)
+        );
+        assert_eq!(
+            total.joint_friction.presliding_stiffness,
+            Some(5000.0),
+            "the softer of 2·50² and 9000"
+        );
+        let joint = committed(FrictionSide::Joint);
+        assert_eq!(
+            (joint.motor_friction, joint.joint_friction.coulomb_positive),
+            (drive.motor_friction, 2.0)
+        );
+        let motor = committed(FrictionSide::Motor);
+        assert_eq!(motor.joint_friction, drive.joint_friction);
+        let back = at_the_joint(&motor.motor_friction, drive.gear_ratio);
+        assert!((back.viscous - 5.0).abs() < 1e-12 && (back.coulomb_positive - 2.0).abs() < 1e-12);
+        assert_eq!(motor.motor_friction.presliding_stiffness, Some(2.0));
+    }
+
+    #[test]
+    fn parameters_and_the_torques_error_say_the_same() {
+        let given = estimate(
+            FrictionLaw::default(),
+            &[2.0, 3.0],
+            &[0.04, 0.01, 0.09],
+            FrictionSide::Total,
+        );
+        let (torque, deviation) = given.torque_at(-2.0, 0.0);
+        assert!((torque + 8.0).abs() < 1e-14);
+        assert!((deviation - (0.04_f64 + 2.0 * 2.0 * 0.01 + 4.0 * 0.09).sqrt()).abs() < 1e-14);
+        let (parameters, covariance) = given.parameters(3);
+        let kinds: Vec<ParameterKind> = parameters.iter().map(|parameter| parameter.kind).collect();
+        assert_eq!(
+            kinds,
+            [
+                ParameterKind::CoulombPositive,
+                ParameterKind::CoulombNegative,
+                ParameterKind::Viscous
+            ]
+        );
+        assert_eq!(covariance, [0.04, 0.04, 0.04, 0.01, 0.01, 0.09]);
+        assert_eq!(given.residual().map(|residual| residual.deviation), Some(0.5));
+    }
+}

@@ -1,0 +1,133 @@
+//! A Kalman filter for coefficients that wander at random (Kalman 1960; Joseph's form: Bucy and Joseph 1968):
+//!
+//! ```text
+//! f(t + Δ) = f(t) + N(0, W·Δ)            y = ψ·f + N(0, R)
+//! P ← P + W·Δ ;  S = ψ·P·ψᵀ + R ;  K = P·ψᵀ/S ;  f ← f + K·(y − ψ·f)
+//! P ← (I − K·ψ)·P·(I − K·ψ)ᵀ + K·R·Kᵀ
+//! ```
+//!
+//! R is the residual's variance over the weight of a sample, so that samples which are alike do not count as new ones. A sample whose
+//! innovation is beyond the gate is not taken. P is what the filter's assumptions say: unlike least squares it does not
+//! look at how its residuals turn out to correlate.
+
+use super::factor::lower;
+use super::law::{TERMS_MAX, TRIANGLE};
+
+/// State of one filter.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Kalman {
+    pub(super) count: usize,
+    pub(super) coefficients: [f64; TERMS_MAX],
+    /// P: its lower triangle.
+    pub(super) covariance: [f64; TRIANGLE],
+    /// W: its diagonal, per second.
+    pub(super) drift: [f64; TERMS_MAX],
+    /// Variances that P does not grow beyond.
+    pub(super) caps: [f64; TERMS_MAX],
+}
+
+/// What became of a sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Taken {
+    /// It was used; the square of its residual, of the variance of the noise whatever the estimate still lacks.
+    Used(f64),
+    /// Its innovation was beyond the gate; the square of its residual.
+    Outlier(f64),
+    /// It was not finite: nothing changed.
+    NotFinite,
+}
+
+impl Kalman {
+    /// Lets time pass.
+    #[inline(always)]
+    pub(super) fn wander(&mut self, seconds: f64) {
+        for index in 0..self.count {
+            let variance = &mut self.covariance[lower(index, index)];
+            if *variance < self.caps[index] {
+                *variance = (*variance + self.drift[index] * seconds).min(self.caps[index]);
+            }
+        }
+    }
+
+    /// Takes in a torque. `variance`: of one sample's noise; `weight`: how much of a new sample it is; `gate`: how many standard
+    /// deviations an innovation may have.
+    #[inline]
+    pub(super) fn update(
+        &mut self,
+        psi: &[f64; TERMS_MAX],
+        torque: f64,
+        variance: f64,
+        weight: f64,
+        gate: Option<f64>,
+    ) -> Taken {
+        match self.count {
+            2 => self.step::<2>(psi, torque, variance, weight, gate),
+            3 => self.step::<3>(psi, torque, variance, weight, gate),
+            4 => self.step::<4>(psi, torque, variance, weight, gate),
+            _ => self.step::<5>(psi, torque, variance, weight, gate),
+        }
+    }
+
+    #[inline(always)]
+    #[allow(
+        clippy::needless_range_loop,
+        reason = "rows and columns by their index, as in the formulas"
+    )]
+    fn step<const N: usize>(
+        &mut self,
+        psi: &[f64; TERMS_MAX],
+        torque: f64,
+        variance: f64,
+        weight: f64,
+        gate: Option<f64>,
+    ) -> Taken {
+        let noise = variance / weight;
+        let mut product = [0.0; N];
+        let (mut spread, mut predicted) = (0.0, 0.0);
+        for row in 0..N {
+            predicted += psi[row] * self.coefficients[row];
+            let mut sum = 0.0;
+            for column in 0..N {
+                sum += self.covariance[lower(row, column)] * psi[column];
+            }
+            product[row] = sum;
+            spread += psi[row] * sum;
+        }
+        let innovation = torque - predicted;
+        let square = innovation * innovation;
+        let total = spread + noise;
+        if !(square + total).is_finite() || total <= 0.0 {
+            return Taken::NotFinite;
+        }
+        let expected = spread + variance;
+        let residual = square * (variance / expected);
+        if gate.is_some_and(|gate| square > gate * gate * expected) {
+            return Taken::Outlier(residual);
+        }
+        let mut gain = [0.0; N];
+        let inverse = 1.0 / total;
+        for row in 0..N {
+            gain[row] = product[row] * inverse;
+            self.coefficients[row] += gain[row] * innovation;
+        }
+        // (I − K·ψ)·P, and what it makes of ψ
+        let mut left = [[0.0; N]; N];
+        let mut across = [0.0; N];
+        for row in 0..N {
+            for column in 0..N {
+                left[row][column] = self.covariance[lower(row, column)] - gain[row] * product[column];
+                across[row] += left[row][column] * psi[column];
+            }
+        }
+        for row in 0..N {
+            for column in 0..=row {
+                self.covariance[lower(row, column)] =
+                    left[row][column] - across[row] * gain[column] + gain[row] * noise * gain[column];
+            }
+        }
+        Taken::Used(residual)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,148 @@
+//! Reads what a model is to be fitted to.
+
+use takt_motion::{
+    Invalid,
+    drive::fit::{
+        recording::{Effort, Recording, Selection},
+        report::{MotionOptions, Scope},
+    },
+    robot::spec::{Inertial, RobotSpec},
+};
+
+use crate::{
+    convert::{Findings, Path, drive, robot},
+    v1,
+};
+
+const SCOPES: &str = "FRICTION, PAYLOAD, ROTORS, BODIES";
+
+/// A fit that is asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MotionFitRequest {
+    /// What was recorded.
+    pub recording: Recording,
+    /// What is fitted, to which part of it.
+    pub options: MotionOptions,
+    /// Which part the fit is compared with.
+    pub test: Option<Selection>,
+    /// What the arm carried; `None`: the model's payload.
+    pub payload: Option<Inertial>,
+}
+
+/// Reads a fit to a motion. The recording needs a robot that is known: `None` without.
+pub fn motion_fit_request(
+    wire: &v1::MotionFitRequest,
+    spec: Option<&RobotSpec>,
+    findings: &mut Findings,
+) -> Option<MotionFitRequest> {
+    let root = Path::Root;
+    let at = root.field("motion");
+    let default = MotionOptions::default();
+    let band = findings.finite_option(at.field("band_hz"), wire.band_hz);
+    let selection = |range: Option<v1::TimeRange>| Selection {
+        range: range.map(|range| (range.begin_s, range.end_s)),
+        band: band.unwrap_or(default.selection.band),
+    };
+    let scope = wire
+        .scope
+        .and_then(|scope| findings.enumerated(at.field("scope"), scope, SCOPES));
+    for (name, range) in [("identify", &wire.identify), ("test", &wire.test)] {
+        if let Some(range) = range {
+            let at = at.field(name);
+            findings.finite(at.field("begin_s"), range.begin_s);
+            findings.finite(at.field("end_s"), range.end_s);
+        }
+    }
+    let payload = wire.payload.as_ref();
+    let payload = payload.map(|payload| robot::payload(payload, at.field("payload"), findings));
+    let Some(wire_recording) = &wire.recording else {
+        findings.push(at.field("recording"), "must be given");
+        return None;
+    };
+    let recording = recording(wire_recording, at.field("recording"), spec?, findings)?;
+    Some(MotionFitRequest {
+        recording,
+        options: MotionOptions {
+            selection: selection(wire.identify),
+            scope: match scope {
+                Some(v1::motion_fit_request::Scope::Friction) => Scope::Friction,
+                Some(v1::motion_fit_request::Scope::Payload) => Scope::Payload,
+                Some(v1::motion_fit_request::Scope::Rotors) => Scope::Rotors,
+                Some(v1::motion_fit_request::Scope::Bodies | v1::motion_fit_request::Scope::Unspecified) | None => {
+                    Scope::Bodies
+                }
+            },
+            presliding: wire.presliding.unwrap_or(default.presliding),
+        },
+        test: wire.test.map(|range| selection(Some(range))),
+        payload,
+    })
+}
+
+/// Reads a recording: joints in model order.
+fn recording(wire: &v1::Telemetry, at: Path<'_>, robot: &RobotSpec, findings: &mut Findings) -> Option<Recording> {
+    findings.finite_list(at.field("time_s"), &wire.time_s);
+    let joints_at = at.field("joints");
+    let joints = drive::in_model_order(&wire.joints, joints_at, robot, findings)?;
+    let count = wire.time_s.len();
+    let mut column = |name: &'static str, column: drive::Column| {
+        for (index, one) in &joints {
+            findings.finite_list(joints_at.index(*index).field(name), column(one));
+        }
+        drive::is_given(name, column, count, &joints, joints_at, findings)
+            .then(|| joints.iter().map(|(_, one)| column(one).clone()).collect::<Vec<_>>())
+    };
+    let position = column("position", |one| &one.position);
+    let velocity = column("velocity", |one| &one.velocity);
+    let torque = column("torque", |one| &one.torque);
+    let current = column("motor_current", |one| &one.motor_current);
+    if position.is_none() {
+        findings.push(joints_at, "must have the position of every joint");
+    }
+    let effort = match (torque, current) {
+        (Some(torque), None) => Some(Effort::Torque(torque)),
+        (None, Some(current)) => Some(Effort::Current(current)),
+        (Some(_), Some(_)) => {
+            findings.push(joints_at, "must have torques or motor currents, and not both");
+            None
+        }
+        (None, None) => {
+            findings.push(joints_at, "must have the torque or the motor current of every joint");
+            None
+        }
+    };
+    Some(Recording {
+        time: wire.time_s.clone(),
+        position: position?,
+        velocity,
+        effort: effort?,
+    })
+}
+
+/// What a fit finds wrong with a recording, in the words of the wire; `part` is the field of the range that it looked at.
+#[must_use]
+pub fn finding_on_recording(found: Invalid, wire: &v1::MotionFitRequest, robot: &RobotSpec, part: &str) -> Invalid {
+    let Invalid { path, message } = found;
+    let (name, rest) = path.split_at(path.find('[').unwrap_or(path.len()));
+    let column = match name {
+        "band" => return Invalid::new("motion.band_hz", message),
+        "range" => return Invalid::new(format!("motion.{part}"), message),
+        "time" => return Invalid::new(format!("motion.recording.time_s{rest}"), message),
+        "position" | "velocity" | "torque" => name,
+        "current" => "motor_current",
+        "" => return Invalid::new("motion", message),
+        other => return Invalid::new(format!("motion.{other}{rest}"), message),
+    };
+    let Some((joint, rest)) = rest.strip_prefix('[').and_then(|rest| rest.split_once(']')) else {
+        return Invalid::new("motion.recording.joints", message);
+    };
+    // Joints of a recording are in model order, those of the wire where their names are.
+    let joint: usize = joint.parse().unwrap_or(0);
+    let name = robot.joints.get(joint).map_or("", |joint| joint.name.as_str());
+    let joints = wire.recording.iter().flat_map(|recording| &recording.joints);
+    let place = joints
+        .map(|one| &one.joint)
+        .position(|known| known == name)
+        .unwrap_or(joint);
+    Invalid::new(format!("motion.recording.joints[{place}].{column}{rest}"), message)
+}
