@@ -32,7 +32,7 @@ use crate::plan::Failure;
 use crate::robot::Robot;
 use crate::robot::spec::{ParameterKind, Residual};
 use crate::tolerance::{
-    ALONE_SHRINK, DEFLECTION_ROUNDS, FIT_ENTRIES_MAX, FIT_FOLDS, LOAD_COULOMB_DEVIATION, RIDGE_START,
+    ALONE_SHRINK, DEFLECTION_ROUNDS, FIT_ENTRIES_MAX, FIT_FOLDS, LOAD_COULOMB_DEVIATION, RIDGE_START, RIDGES,
 };
 
 /// Fits a model to a recorded motion of an arm, beginning from its description.
@@ -267,9 +267,16 @@ impl<'a> Fit<'a> {
                 self.problem(prior).choose_ridge(&first.values, self.trusts_bodies())?
             };
             let Some(ridge) = ridge else { return Ok(None) };
-            let Some(solution) = self.problem(prior).solve(ridge, &first.values)? else {
+            let Some(mut solution) = self.problem(prior).solve(ridge, &first.values)? else {
                 return Ok(None);
             };
+            if !self.trusts_bodies()
+                && let Some(beforehand) = prior.second_derivatives(RIDGES[0], &solution.values)
+            {
+                // the body that it is drawn to came from the same torques: it adds no certainty
+                let (data, _) = self.normal.sum(&self.weights, None);
+                solution.hessian = data.iter().zip(&beforehand).map(|(a, b)| a + b).collect();
+            }
             if is_last {
                 let validated = self.problem(prior).validate(ridge, &solution.values, true)?;
                 return Ok(validated.map(|validated| Found {
@@ -296,7 +303,8 @@ impl<'a> Fit<'a> {
         let values = &found.solution.values;
         let covariance = inverse(&found.solution.hessian, count, self.budget)?.unwrap_or_default();
         let (data, _) = self.normal.sum(&self.weights, None);
-        let beforehand = match prior.second_derivatives(found.ridge, values) {
+        let ridge = if self.trusts_bodies() { found.ridge } else { RIDGES[0] };
+        let beforehand = match prior.second_derivatives(ridge, values) {
             Some(precision) => inverse(&precision, count, self.budget)?.unwrap_or_default(),
             None => Vec::new(),
         };
