@@ -882,8 +882,12 @@ pub(crate) const PAYLOAD_GYRATION: f64 = 0.05;
 /// Ranges of position or speed that residuals are told apart by.
 pub(crate) const POSE_BINS: usize = 6;
 
-/// Standard deviations beyond chance at which a residual is said to depend on the pose: one recording in a thousand would without.
-pub(crate) const POSE_CHANCE_DEVIATIONS: f64 = 3.0;
+/// Steps in which a residual is shifted against the positions: it exceeds all shifted ones by chance once in so many joints.
+pub(crate) const POSE_SHIFTS: usize = 40;
+
+/// Share of a residual beyond chance from which on its dependence on the pose is said: less changes a model's torque by less than a
+/// twentieth of the residual.
+pub(crate) const POSE_SHARE_MIN: f64 = 0.1;
 
 /// How many times as large the error on unseen stretches may be as on fitted ones before it is said.
 pub(crate) const UNSEEN_ERROR_RATIO: f64 = 2.0;
@@ -917,6 +921,10 @@ pub(crate) const DECAY_STEPS: usize = 200;
 
 /// Ratio of two speeds from which on they tell viscous from Coulomb friction.
 pub(crate) const SPEEDS_APART: f64 = 1.1;
+
+/// How many times as large an error may be with the described bodies as with free ones before it is said: those have ten parameters a
+/// body more, and are not drawn to anything.
+pub(crate) const WRONG_BODY_RATIO: f64 = 1.5;
 /// Degrees of freedom from which on Student's distribution is the normal one with two corrections: what they leave is z⁷/ν³/384,
 /// below 1e-11 of z at every probability that there is.
 pub(crate) const STUDENT_NORMAL_FROM: f64 = 1.0e5;

@@ -22,6 +22,7 @@ mod deflect;
 mod design;
 mod excitation;
 mod filter;
+mod free_bodies;
 mod least_squares;
 mod linear;
 mod normal;

@@ -9,6 +9,7 @@
 //! side's friction and what the motor gives beyond it is its own. Where no deformation was measured only their sum is known.
 
 use super::least_squares::{Fitted, fit_columns};
+use super::recording::is_value;
 use super::report::Missing;
 use crate::error::Invalid;
 use crate::robot::spec::Friction;
@@ -36,18 +37,22 @@ pub struct SideFriction {
     pub residual: f64,
 }
 
+/// Friction from runs at constant speed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ConstantSpeed {
+    /// Of both sides together.
+    pub total: SideFriction,
+    /// Of the output side and of the motor's side, where deformations and a stiffness are given.
+    pub sides: Option<(SideFriction, SideFriction)>,
+    /// What is odd, a sentence each.
+    pub warnings: Vec<String>,
+}
+
 /// What runs at constant speed say.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ConstantSpeedOutcome {
     /// Friction.
-    Fitted {
-        /// Of both sides together.
-        total: SideFriction,
-        /// Of the output side and of the motor's side, where deformations and a stiffness are given.
-        sides: Option<(SideFriction, SideFriction)>,
-        /// What is odd, a sentence each.
-        warnings: Vec<String>,
-    },
+    Fitted(Box<ConstantSpeed>),
     /// The runs do not tell.
     Missing(Missing),
 }
@@ -93,7 +98,11 @@ pub fn fit_constant_speed(runs: &[Run], stiffness: &[f64]) -> Result<ConstantSpe
             ));
         }
     }
-    Ok(ConstantSpeedOutcome::Fitted { total, sides, warnings })
+    Ok(ConstantSpeedOutcome::Fitted(Box::new(ConstantSpeed {
+        total,
+        sides,
+        warnings,
+    })))
 }
 
 fn missing(message: String) -> ConstantSpeedOutcome {
@@ -177,7 +186,7 @@ fn check(runs: &[Run], stiffness: &[f64]) -> Vec<Invalid> {
             ("deformation", run.deformation.unwrap_or(0.0)),
         ];
         for (name, value) in values {
-            if !(value.abs() <= FIT_VALUE_MAX) {
+            if !is_value(value) {
                 let message = format!("{value} must be a number up to {FIT_VALUE_MAX:e}");
                 faults.push(Invalid::new(format!("runs[{i}].{name}"), message));
             }
@@ -225,11 +234,10 @@ mod tests {
 
     #[test]
     fn friction_of_either_side_comes_back() {
-        let ConstantSpeedOutcome::Fitted { total, sides, warnings } =
-            fit_constant_speed(&runs(0.0, &mut 1), &STIFFNESS).unwrap()
-        else {
+        let ConstantSpeedOutcome::Fitted(found) = fit_constant_speed(&runs(0.0, &mut 1), &STIFFNESS).unwrap() else {
             panic!()
         };
+        let ConstantSpeed { total, sides, warnings } = *found;
         let (output, motor) = sides.unwrap();
         let expected = [
             (total, [8.2, 7.0, 7.0]),
@@ -250,9 +258,10 @@ mod tests {
         let count = 400;
         let within = (0..count)
             .filter(|_| {
-                let Ok(ConstantSpeedOutcome::Fitted { total, .. }) = fit_constant_speed(&runs(0.3, state), &[]) else {
+                let Ok(ConstantSpeedOutcome::Fitted(found)) = fit_constant_speed(&runs(0.3, state), &[]) else {
                     panic!()
                 };
+                let total = found.total;
                 // Student's with five degrees of freedom
                 (total.friction.viscous - 8.2).abs() < 2.571 * total.deviations[0]
             })
@@ -272,7 +281,7 @@ mod tests {
             let runs: Vec<Run> = speeds.iter().map(|speed| run(*speed)).collect();
             match fit_constant_speed(&runs, &[]).unwrap() {
                 ConstantSpeedOutcome::Missing(missing) => missing.message,
-                ConstantSpeedOutcome::Fitted { .. } => panic!(),
+                ConstantSpeedOutcome::Fitted(_) => panic!(),
             }
         };
         assert!(said(&[1.0, -1.0]).contains("too few"));

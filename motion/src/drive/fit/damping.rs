@@ -20,6 +20,7 @@ use std::f64::consts::PI;
 
 use super::least_squares::{Fitted, fit_columns};
 use super::linear::dot;
+use super::recording::{increases, is_value};
 use super::report::Missing;
 use crate::error::Invalid;
 use crate::tolerance::{
@@ -213,10 +214,10 @@ fn check(time: &[f64], amplitude: &[f64], inertia: f64) -> Vec<Invalid> {
         let message = format!("{} values, the most is {FIT_SAMPLES_MAX}", time.len());
         faults.push(Invalid::new("time", message));
     }
-    if let Some(i) = time.iter().position(|t| !(t.abs() <= FIT_VALUE_MAX)) {
+    if let Some(i) = time.iter().position(|t| !is_value(*t)) {
         faults.push(Invalid::new(format!("time[{i}]"), format!("{} is no time", time[i])));
     }
-    if let Some(i) = time.windows(2).position(|pair| !(pair[0] < pair[1])) {
+    if let Some(i) = time.windows(2).position(|pair| !increases(pair)) {
         let message = format!("{} s must be after {} s", time[i + 1], time[i]);
         faults.push(Invalid::new(format!("time[{}]", i + 1), message));
     }

@@ -22,7 +22,7 @@ pub(crate) fn fit_columns(columns: &[Vec<f64>], target: &[f64]) -> Option<Fitted
         return None;
     }
     let length: Vec<f64> = columns.iter().map(|column| dot(column, column).sqrt()).collect();
-    if length.iter().any(|length| !(*length > 0.0)) {
+    if length.iter().any(|length| length.is_nan() || *length <= 0.0) {
         return None;
     }
     let mut gram = vec![0.0; size * size];

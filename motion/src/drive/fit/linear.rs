@@ -136,12 +136,6 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     (sums[0] + sums[1]) + (sums[2] + sums[3]) + tail
 }
 
-/// vᵀ·A·v for a symmetric A.
-pub(crate) fn quadratic_form(matrix: &[f64], v: &[f64]) -> f64 {
-    let rows = matrix.chunks_exact(v.len().max(1));
-    rows.zip(v).map(|(row, x)| x * dot(row, v)).sum()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -25,14 +25,14 @@ use super::student::{Noise, correlated_samples};
 use super::uncertain;
 use super::unknowns::Unknowns;
 use super::validate::{Problem, Validated};
-use super::{deflect, payload};
+use super::{deflect, free_bodies, payload};
 use crate::budget::{Budget, Stopped};
 use crate::error::Invalid;
 use crate::plan::Failure;
 use crate::robot::Robot;
 use crate::robot::spec::{ParameterKind, Residual};
 use crate::tolerance::{
-    ALONE_SHRINK, DEFLECTION_ROUNDS, FIT_ENTRIES_MAX, FIT_FOLDS, LOAD_COULOMB_DEVIATION, RIDGE_START,
+    ALONE_SHRINK, DEFLECTION_ROUNDS, FIT_ENTRIES_MAX, FIT_FOLDS, LOAD_COULOMB_DEVIATION, RIDGE_START, RIDGES,
 };
 
 /// Fits a model to a recorded motion of an arm, beginning from its description.
@@ -56,7 +56,8 @@ pub fn fit_motion(
         return Ok(MotionOutcome::NotExcited(missing));
     }
     let unknowns = Unknowns::new(robot, options.scope);
-    check_size(&signals, &unknowns, robot.joint_count())?;
+    let joints = robot.joint_count();
+    check_size(&signals, &unknowns, joints)?;
     let mut fit = Fit::new(robot, &signals, &unknowns, budget)?;
     let missing = check_rank(robot, &fit.normal, &unknowns, options.scope, &fit.weights, budget)?;
     if !missing.is_empty() {
@@ -78,7 +79,15 @@ pub fn fit_motion(
     let Some(found) = fit.settle(&prior)? else {
         return Ok(MotionOutcome::NotExcited(vec![unsolvable()]));
     };
-    Ok(MotionOutcome::Fitted(Box::new(fit.report(&prior, &found)?)))
+    let mut report = fit.report(&prior, &found)?;
+    if options.scope != Scope::Bodies && check_size(&signals, &Unknowns::new(robot, Scope::Bodies), joints).is_ok() {
+        let errors = free_bodies::validated(robot, &signals, budget)?;
+        for (joint, error) in report.joints.iter_mut().zip(errors) {
+            joint.error_with_free_bodies = Some(error);
+        }
+    }
+    report.warnings = pose::warnings(robot, &unknowns, &report);
+    Ok(MotionOutcome::Fitted(Box::new(report)))
 }
 
 fn check_size(signals: &Signals, unknowns: &Unknowns, joints: usize) -> Result<(), Failure> {
@@ -258,9 +267,16 @@ impl<'a> Fit<'a> {
                 self.problem(prior).choose_ridge(&first.values, self.trusts_bodies())?
             };
             let Some(ridge) = ridge else { return Ok(None) };
-            let Some(solution) = self.problem(prior).solve(ridge, &first.values)? else {
+            let Some(mut solution) = self.problem(prior).solve(ridge, &first.values)? else {
                 return Ok(None);
             };
+            if !self.trusts_bodies()
+                && let Some(beforehand) = prior.second_derivatives(RIDGES[0], &solution.values)
+            {
+                // the body that it is drawn to came from the same torques: it adds no certainty
+                let (data, _) = self.normal.sum(&self.weights, None);
+                solution.hessian = data.iter().zip(&beforehand).map(|(a, b)| a + b).collect();
+            }
             if is_last {
                 let validated = self.problem(prior).validate(ridge, &solution.values, true)?;
                 return Ok(validated.map(|validated| Found {
@@ -287,7 +303,8 @@ impl<'a> Fit<'a> {
         let values = &found.solution.values;
         let covariance = inverse(&found.solution.hessian, count, self.budget)?.unwrap_or_default();
         let (data, _) = self.normal.sum(&self.weights, None);
-        let beforehand = match prior.second_derivatives(found.ridge, values) {
+        let ridge = if self.trusts_bodies() { found.ridge } else { RIDGES[0] };
+        let beforehand = match prior.second_derivatives(ridge, values) {
             Some(precision) => inverse(&precision, count, self.budget)?.unwrap_or_default(),
             None => Vec::new(),
         };
@@ -320,12 +337,13 @@ impl<'a> Fit<'a> {
             });
             let torque = self.signals.of(&self.signals.torque[j]);
             let share = |e: &[f64]| (dot(e, e) / dot(torque, torque).max(f64::MIN_POSITIVE)).sqrt();
-            let dependence = pose::dependence(self.signals, errors, correlation_time);
+            let dependence = pose::dependence(self.signals, errors, self.budget)?;
             joints.push(JointFit {
                 fitted_error: share(&rows.residual_of(values, from, to)),
                 validated_error: share(errors),
                 presliding_deflection: self.deflections[j],
                 correlation_time,
+                error_with_free_bodies: None,
                 pose_share: dependence.share,
                 pose_joint: dependence.joint,
                 by_position: pose::bins(self.signals.of(&self.signals.q[j]), errors),
@@ -334,7 +352,6 @@ impl<'a> Fit<'a> {
         }
         let mut spec = self.unknowns.model(self.robot, values, &self.deflections);
         spec.uncertainty = Some(uncertain::of(&spec, self.unknowns, &covariance, noises));
-        let warnings = pose::warnings(self.robot, self.unknowns, &estimates, &joints);
         Ok(MotionFit {
             spec,
             // the trace of the product: how many directions are the motion's
@@ -344,7 +361,7 @@ impl<'a> Fit<'a> {
             ridge: (!prior.bodies.is_empty()).then_some(found.ridge),
             sample_count: self.signals.count(),
             fold_count: self.normal.stretches.len(),
-            warnings,
+            warnings: Vec::new(),
         })
     }
 
@@ -362,7 +379,7 @@ impl<'a> Fit<'a> {
 }
 
 /// One joint's torque explained by its own columns alone, each shrunk by rounding.
-fn alone(gram: &Gram, budget: &Budget<'_>) -> Result<Vec<f64>, Stopped> {
+pub(crate) fn alone(gram: &Gram, budget: &Budget<'_>) -> Result<Vec<f64>, Stopped> {
     let size = gram.product.len();
     let scale: Vec<f64> = (0..size)
         .map(|k| 1.0 / gram.matrix[k * size + k].max(f64::MIN_POSITIVE).sqrt())

@@ -5,12 +5,11 @@ use super::linear::dot;
 use super::signals::Signals;
 use crate::budget::{Budget, Stopped};
 
-/// XᵀX, Xᵀy and yᵀy of one joint over one stretch.
+/// XᵀX and Xᵀy of one joint over one stretch.
 #[derive(Debug, Clone)]
 pub(crate) struct Gram {
     pub(crate) matrix: Vec<f64>,
     pub(crate) product: Vec<f64>,
-    pub(crate) square: f64,
 }
 
 /// The stretches of a fit, and the normal equations of each.
@@ -89,7 +88,6 @@ impl Normal {
             let gram = &of_stretch[joint];
             whole.matrix.iter_mut().zip(&gram.matrix).for_each(|(a, b)| *a += b);
             whole.product.iter_mut().zip(&gram.product).for_each(|(a, b)| *a += b);
-            whole.square += gram.square;
         }
         whole
     }
@@ -111,10 +109,6 @@ impl Gram {
                 matrix[b * width + a] = value;
             }
         }
-        Ok(Self {
-            matrix,
-            product,
-            square: dot(target, target),
-        })
+        Ok(Self { matrix, product })
     }
 }

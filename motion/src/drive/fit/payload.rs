@@ -42,7 +42,7 @@ pub(crate) fn aim(
     }
     let found: Vec<f64> = (start..start + 4).map(|k| values[k] * scale[k]).collect();
     let mass = found[0];
-    if !(mass > 0.0) {
+    if mass.is_nan() || mass <= 0.0 {
         let message = format!(
             "the torque asks for a payload of {mass:.3} kg: the described bodies are too heavy, and are what to fit"
         );

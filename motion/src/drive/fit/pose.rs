@@ -1,18 +1,20 @@
 //! What the residual depends on: a body that is wrong leaves torque that goes with the pose, a friction law that is wrong leaves
 //! torque that goes with the speed.
 //!
-//! The share of a residual's variance that its means over [`POSE_BINS`] ranges of a joint's position explain would, by chance, be
-//! distributed as Beta((B − 1)/2, (N − B)/2) with N independent samples; what is beyond its mean by more than three standard deviations of it
-//! is said.
+//! The share of a residual's square that its means over [`POSE_BINS`] ranges of a joint's position explain is compared with what
+//! they explain of the same residual shifted in time against the positions, all the way round in [`POSE_SHIFTS`] steps: residual and
+//! motion stay as smooth as they are, only what binds them is lost (H. Theiler et al., "Testing for nonlinearity in time series: the
+//! method of surrogate data", 1992). A residual that the true order explains better than every other depends on the pose.
 
 use super::excitation::name;
 use super::linear::dot;
-use super::report::{Bin, Estimate, JointFit};
+use super::report::{Bin, MotionFit};
 use super::signals::Signals;
 use super::unknowns::Unknowns;
+use crate::budget::{Budget, Stopped};
 use crate::dynamics::regressor::BODY;
 use crate::robot::Robot;
-use crate::tolerance::{POSE_BINS, POSE_CHANCE_DEVIATIONS, UNSEEN_ERROR_RATIO};
+use crate::tolerance::{POSE_BINS, POSE_SHARE_MIN, POSE_SHIFTS, UNSEEN_ERROR_RATIO, WRONG_BODY_RATIO};
 
 /// What of a residual goes with one joint's position.
 #[derive(Debug, Clone, Copy)]
@@ -45,32 +47,70 @@ pub(crate) fn bins(values: &[f64], residuals: &[f64]) -> Vec<Bin> {
 }
 
 /// The joint whose position says most of a residual.
-pub(crate) fn dependence(signals: &Signals, residuals: &[f64], correlation_time: f64) -> Dependence {
-    let duration = residuals.len() as f64 * signals.period;
-    let independent = duration / correlation_time.max(signals.period);
-    let bins_count = POSE_BINS as f64;
-    let mut most = Dependence { share: 0.0, joint: 0 };
-    let whole = dot(residuals, residuals) / residuals.len().max(1) as f64;
-    if independent <= bins_count + 1.0 || !(whole > 0.0) {
-        return most;
+pub(crate) fn dependence(signals: &Signals, residuals: &[f64], budget: &Budget<'_>) -> Result<Dependence, Stopped> {
+    let none = Dependence { share: 0.0, joint: 0 };
+    let whole = dot(residuals, residuals);
+    if whole.is_nan() || whole <= 0.0 || residuals.len() < POSE_BINS * POSE_SHIFTS {
+        return Ok(none);
     }
-    let chance = (bins_count - 1.0) / (independent - 1.0);
-    let spread = (2.0 * chance * (1.0 - chance) / (independent + 1.0)).sqrt();
-    for (joint, q) in signals.q.iter().enumerate() {
-        let means = bins(signals.of(q), residuals);
-        let explained = means.iter().map(|bin| bin.mean * bin.mean).sum::<f64>() / (bins_count * whole);
-        if explained > chance + POSE_CHANCE_DEVIATIONS * spread && explained - chance > most.share {
-            most = Dependence {
-                share: explained - chance,
-                joint,
-            };
-        }
+    // which range each sample is in, for every joint
+    let mut ranges = Vec::with_capacity(signals.q.len());
+    for q in &signals.q {
+        budget.check()?;
+        ranges.push(ranks(signals.of(q)));
     }
-    most
+    let most = |shift: usize| -> (f64, usize) {
+        let shares = ranges.iter().map(|range| explained(range, residuals, shift) / whole);
+        let best =
+            |best: (f64, usize), (joint, share): (usize, f64)| if share > best.0 { (share, joint) } else { best };
+        shares.enumerate().fold((0.0, 0), best)
+    };
+    let (share, joint) = most(0);
+    let (mut by_chance, mut mean) = (0.0_f64, 0.0);
+    for k in 1..POSE_SHIFTS {
+        budget.check()?;
+        let (share, _) = most(residuals.len() * k / POSE_SHIFTS);
+        by_chance = by_chance.max(share);
+        mean += share / (POSE_SHIFTS - 1) as f64;
+    }
+    if share <= by_chance || share - mean < POSE_SHARE_MIN {
+        return Ok(none);
+    }
+    Ok(Dependence {
+        share: share - mean,
+        joint,
+    })
+}
+
+/// Which of [`POSE_BINS`] ranges with equal numbers of samples each value is in.
+fn ranks(values: &[f64]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+    let mut ranks = vec![0; values.len()];
+    for (place, sample) in order.into_iter().enumerate() {
+        ranks[sample] = place * POSE_BINS / values.len();
+    }
+    ranks
+}
+
+/// Sum of squares that the means over ranges explain of residuals shifted in time.
+fn explained(ranges: &[usize], residuals: &[f64], shift: usize) -> f64 {
+    let (mut sums, mut counts) = ([0.0; POSE_BINS], [0.0; POSE_BINS]);
+    let shifted = residuals[shift..].iter().chain(&residuals[..shift]);
+    for (range, residual) in ranges.iter().zip(shifted) {
+        sums[*range] += residual;
+        counts[*range] += 1.0;
+    }
+    let squares = sums
+        .iter()
+        .zip(counts)
+        .map(|(sum, count): (&f64, f64)| sum * sum / count.max(1.0));
+    squares.sum()
 }
 
 /// What is odd about a fit, a sentence each.
-pub(crate) fn warnings(robot: &Robot, unknowns: &Unknowns, estimates: &[Estimate], joints: &[JointFit]) -> Vec<String> {
+pub(crate) fn warnings(robot: &Robot, unknowns: &Unknowns, fit: &MotionFit) -> Vec<String> {
+    let (estimates, joints) = (&fit.estimates, &fit.joints);
     let mut warnings = Vec::new();
     let name_of = |joint: usize| robot.spec().joints[joint].name.as_str();
     for (j, joint) in joints.iter().enumerate() {
@@ -81,6 +121,17 @@ pub(crate) fn warnings(robot: &Robot, unknowns: &Unknowns, estimates: &[Estimate
                 name_of(j),
                 100.0 * joint.pose_share,
                 name_of(joint.pose_joint)
+            ));
+        }
+        if let Some(free) = joint.error_with_free_bodies
+            && joint.validated_error > WRONG_BODY_RATIO * free
+        {
+            warnings.push(format!(
+                "joint \"{}\": {:.1} % of its torque is left, and {:.1} % if the bodies were free, so the described ones are not right, \
+                 and what was fitted takes on part of that",
+                name_of(j),
+                100.0 * joint.validated_error,
+                100.0 * free
             ));
         }
         if joint.validated_error > UNSEEN_ERROR_RATIO * joint.fitted_error {

@@ -46,6 +46,16 @@ impl Default for Selection {
     }
 }
 
+/// Whether a number is one that can be computed with.
+pub(crate) fn is_value(value: f64) -> bool {
+    value.abs() <= FIT_VALUE_MAX
+}
+
+/// Whether a pair of times is in order.
+pub(crate) fn increases(pair: &[f64]) -> bool {
+    pair[0] < pair[1]
+}
+
 /// All that is wrong with a recording of an arm.
 pub(crate) fn check(robot: &Robot, recording: &Recording, selection: &Selection) -> Vec<Invalid> {
     let mut faults = Vec::new();
@@ -62,13 +72,13 @@ pub(crate) fn check(robot: &Robot, recording: &Recording, selection: &Selection)
             format!("{count} samples, the most is {FIT_SAMPLES_MAX}"),
         ));
     }
-    if let Some(i) = recording.time.iter().position(|t| !(t.abs() <= FIT_VALUE_MAX)) {
+    if let Some(i) = recording.time.iter().position(|t| !is_value(*t)) {
         faults.push(Invalid::new(
             format!("time[{i}]"),
             format!("{} is no time stamp", recording.time[i]),
         ));
     }
-    if let Some(i) = recording.time.windows(2).position(|pair| !(pair[0] < pair[1])) {
+    if let Some(i) = recording.time.windows(2).position(|pair| !increases(pair)) {
         let (before, after) = (recording.time[i], recording.time[i + 1]);
         let message = format!("{after} s must be after {before} s, the sample before");
         faults.push(Invalid::new(format!("time[{}]", i + 1), message));
@@ -112,7 +122,7 @@ fn check_series(robot: &Robot, name: &str, series: &[Vec<f64>], count: usize, fa
             let message = format!("{} values for {count} time stamps", values.len());
             faults.push(Invalid::new(format!("{name}[{j}]"), message));
         }
-        if let Some(i) = values.iter().position(|value| !(value.abs() <= FIT_VALUE_MAX)) {
+        if let Some(i) = values.iter().position(|value| !is_value(*value)) {
             let message = format!("{} must be a number up to {FIT_VALUE_MAX:e}", values[i]);
             faults.push(Invalid::new(format!("{name}[{j}][{i}]"), message));
         }

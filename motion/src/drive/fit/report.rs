@@ -91,6 +91,9 @@ pub struct JointFit {
     pub fitted_error: f64,
     /// The same on stretches that were left out of the fit in turn.
     pub validated_error: f64,
+    /// The same where this joint's torque alone chooses the bodies beyond the joint: far less than `validated_error` says that the
+    /// described bodies are wrong. `None` where bodies were fitted, or that would have been too much.
+    pub error_with_free_bodies: Option<f64>,
     /// Deflection over which the contact begins to slide, rad or m; `None`: at once.
     pub presliding_deflection: Option<f64>,
     /// Time over which the residual stays alike, s.

@@ -35,8 +35,6 @@ pub(crate) struct Solution {
     pub(crate) values: Vec<f64>,
     /// Second derivatives of the whole, as if nothing were held.
     pub(crate) hessian: Vec<f64>,
-    /// Magnitudes that are held at 0.
-    pub(crate) held: Vec<bool>,
 }
 
 impl Prior {
@@ -59,7 +57,7 @@ impl Prior {
         })
     }
 
-    /// The same, drawing bodies towards other ones.
+    /// Second derivatives of what is known beforehand, at given values.
     pub(crate) fn second_derivatives(&self, ridge: f64, values: &[f64]) -> Option<Vec<f64>> {
         let n = self.values.len();
         let mut hessian = vec![0.0; n * n];
@@ -163,11 +161,7 @@ pub(crate) fn solve(
                 return Ok(None);
             };
             let hessian = of_prior.iter().zip(matrix).map(|(a, b)| a + b).collect();
-            return Ok(Some(Solution {
-                values: p,
-                hessian,
-                held,
-            }));
+            return Ok(Some(Solution { values: p, hessian }));
         }
     }
     Ok(None)

@@ -9,6 +9,7 @@
 //! measured deformations the polynomial is not a spring's, and that is said.
 
 use super::least_squares::{Fitted, fit_columns};
+use super::recording::is_value;
 use super::report::Missing;
 use crate::error::Invalid;
 use crate::tolerance::{FIT_SAMPLES_MAX, FIT_VALUE_MAX, STIFFNESS_PROBES, STIFFNESS_TERMS_MAX};
@@ -63,7 +64,7 @@ pub fn fit_stiffness(torque: &[f64], deformation: &[f64], terms: usize) -> Resul
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
     let reach = range.0.abs().max(range.1.abs());
-    if !(reach > 0.0) {
+    if reach <= 0.0 {
         return missing("nothing was deformed: load the joint".to_owned());
     }
     let power = |x: f64, j: usize| libm::pow(x.abs() / reach, (2 * j + 1) as f64) * x.signum();
@@ -113,7 +114,7 @@ fn slack(scaled: &[f64], (from, to): (f64, f64), reach: f64) -> Option<f64> {
                 .enumerate()
                 .rev()
                 .fold(0.0, |sum, (j, k)| sum * square + (2 * j + 1) as f64 * k);
-            !(slope > 0.0)
+            slope.is_nan() || slope <= 0.0
         })
 }
 
@@ -132,7 +133,7 @@ fn check(torque: &[f64], deformation: &[f64], terms: usize) -> Vec<Invalid> {
         faults.push(Invalid::new("torque", message));
     }
     for (name, values) in [("torque", torque), ("deformation", deformation)] {
-        if let Some(i) = values.iter().position(|value| !(value.abs() <= FIT_VALUE_MAX)) {
+        if let Some(i) = values.iter().position(|value| !is_value(*value)) {
             let message = format!("{} must be a number up to {FIT_VALUE_MAX:e}", values[i]);
             faults.push(Invalid::new(format!("{name}[{i}]"), message));
         }

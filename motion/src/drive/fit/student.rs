@@ -36,7 +36,7 @@ impl Noise {
                 degrees_of_freedom: STUDENT_DEGREES[STUDENT_DEGREES.len() - 1],
             },
         );
-        if !(rms > 0.0) {
+        if rms.is_nan() || rms <= 0.0 {
             return Ok(best.1);
         }
         for degrees in STUDENT_DEGREES {
@@ -102,7 +102,7 @@ pub(crate) fn correlated_samples(residual: &[f64], budget: &Budget<'_>) -> Resul
     let mean = residual.iter().sum::<f64>() / count.max(1) as f64;
     let centred: Vec<f64> = residual.iter().map(|e| e - mean).collect();
     let whole = dot(&centred, &centred);
-    if !(whole > 0.0) {
+    if whole.is_nan() || whole <= 0.0 {
         return Ok(1.0);
     }
     let mut sum = 1.0;

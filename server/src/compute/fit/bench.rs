@@ -5,7 +5,7 @@ use std::sync::Arc;
 use takt_motion::{
     Invalid,
     drive::fit::{
-        constant_speed::{ConstantSpeedOutcome, fit_constant_speed},
+        constant_speed::{ConstantSpeed, ConstantSpeedOutcome, fit_constant_speed},
         damping::{DampingOutcome, fit_damping},
         report::Missing,
         stiffness::{StiffnessOutcome, fit_stiffness},
@@ -111,8 +111,8 @@ fn constant_speed(
 ) -> Result<Found, Vec<Invalid>> {
     let drive = &robot.robot.spec().joints[joint].drive;
     let runs = convert::fit::runs(&wire.runs);
-    let (total, sides, warnings) = match fit_constant_speed(&runs, &drive.stiffness)? {
-        ConstantSpeedOutcome::Fitted { total, sides, warnings } => (total, sides, warnings),
+    let ConstantSpeed { total, sides, warnings } = match fit_constant_speed(&runs, &drive.stiffness)? {
+        ConstantSpeedOutcome::Fitted(found) => *found,
         ConstantSpeedOutcome::Missing(missing) => return Ok(untold(missing, robot)),
     };
     let answer = convert::fit::constant_speed_to_wire(&total, sides.as_ref(), warnings, &wire.joint);

@@ -195,9 +195,8 @@ fn a_payload_that_nobody_described_comes_back() {
     assert!((fit.payload().mass - 1.7).abs() < 0.05, "{:?}", fit.payload());
     assert!(
         (fit.payload().center_of_mass - truth.payload.center_of_mass).norm() < 0.02,
-        "{:?} {:?}",
-        fit.payload(),
-        fit.estimates
+        "{:?}",
+        fit.payload()
     );
     assert!(pseudo::is_body(&body_parameters(fit.payload())));
     let uncertainty = fit.spec.uncertainty.as_ref().unwrap();
@@ -221,6 +220,26 @@ fn an_arm_that_is_lighter_than_described_is_no_payload() {
         panic!("{outcome:?}")
     };
     assert!(missing[0].message.contains("too heavy"), "{}", missing[0].message);
+}
+
+#[test]
+fn friction_on_a_wrong_body_is_warned_of() {
+    let robot = described(|spec| spec.joints[1].link.mass = 2.8);
+    let fit = fitted(
+        &robot,
+        &recording(&arm(), None, 0.2, 20.0, &mut 12),
+        &options(Scope::Friction, false),
+    );
+    let warns_of = |name: &str| {
+        fit.warnings
+            .iter()
+            .any(|w| w.contains(name) && w.contains("bodies were free"))
+    };
+    assert!(
+        warns_of("shoulder") && warns_of("elbow") && !warns_of("wrist"),
+        "{:?}",
+        fit.warnings
+    );
 }
 
 #[test]
@@ -299,7 +318,7 @@ fn stated_intervals_hold_the_truth_as_often_as_they_say() {
             &options(Scope::Friction, false),
         );
         for (estimate, truth) in fit.estimates.iter().zip(truth_of(&fit, &truth)) {
-            within += usize::from((estimate.value - truth).abs() < 1.96 * estimate.deviation);
+            within += u32::from((estimate.value - truth).abs() < 1.96 * estimate.deviation);
             all += 1;
         }
         let model = Robot::new(fit.spec, Vec::new()).unwrap();
@@ -312,7 +331,7 @@ fn stated_intervals_hold_the_truth_as_often_as_they_say() {
             .sum::<f64>()
             / 3.0;
     }
-    let (part, coverage) = (within as f64 / all as f64, covered / runs as f64);
+    let (part, coverage) = (f64::from(within) / f64::from(all), covered / runs as f64);
     assert!((0.90..=0.995).contains(&part), "parameters: {part}");
     assert!((0.92..=0.98).contains(&coverage), "torques: {coverage}");
 }
