@@ -889,26 +889,10 @@ pub(crate) const POSE_CHANCE_DEVIATIONS: f64 = 3.0;
 
 /// How many times as large the error on unseen stretches may be as on fitted ones before it is said.
 pub(crate) const UNSEEN_ERROR_RATIO: f64 = 2.0;
-/// Path speed that is rest at an end of a path, as part of the mean speed: the root of a place's rounding.
-pub(crate) const PATH_AT_REST: f64 = 1.0e-6;
-
-/// How far inside a path, as part of its length, its derivative says in which direction a joint sets out or arrives. Where
-/// q′ is zero at the end itself, what is there is rounding; this far inside, q″ shows through it. A joint that turns back
-/// nearer to the end moves by the square of this before it does: 1e-12 rad, at which it counts as standing.
-pub(crate) const PATH_DEPARTURE: f64 = 1.0e-6;
-/// Variance of a learned friction coefficient at the start, over that of a sample: a twentieth of a second at 1 kHz
-/// outweighs it, so that the first transient does not become the law.
-pub(crate) const ADAPT_PRIOR: f64 = 0.02;
-
-/// Speed below which no friction is learned, rad/s or m/s: the contact may not slide yet.
-pub(crate) const ADAPT_REST: f64 = 0.02;
-
-/// How long the controller remembers what it learned of friction, s: two or three moves; temperature takes minutes.
-pub(crate) const ADAPT_MEMORY: f64 = 2.0;
-
-/// Rate of the observer on the output's side over that on the motor's: at the same rate the slowest pole of an arm on its
-/// transmission keeps 0.15 to 0.2 of critical damping, at a quarter 0.35 to 0.4.
-pub(crate) const ADAPT_OUTPUT: f64 = 0.25;
+/// Distance of the nodes at which the simulated arm's inertia, Coriolis and gravity torques are computed, s. Chosen by measurement: with it the
+/// UR5e is off an independent integrator by 3e-8 rad after half a second (1 ms: 7e-8; 50 µs: 2e-10), and an elastic arm of 24 J
+/// keeps its energy to 8e-6 J in a second (6e-5; 8e-9). Pinned by the tests of `drive/plant/tests.rs`.
+pub(crate) const PLANT_NODES: f64 = 5.0e-4;
 
 /// Most terms of a fitted stiffness polynomial: as many as a description may have.
 pub(crate) const STIFFNESS_TERMS_MAX: usize = 8;
@@ -935,19 +919,3 @@ pub(crate) const DECAY_STEPS: usize = 200;
 
 /// Ratio of two speeds from which on they tell viscous from Coulomb friction.
 pub(crate) const SPEEDS_APART: f64 = 1.1;
-
-/// How much larger than stated a use of a limit on a path may be between samples, as part of the limit: a fifth of the 1e-6
-/// that no drive and no sensor sees. The search for it ends there.
-pub(crate) const EXTREME_GAIN: f64 = 2.0e-7;
-
-/// Most values that the search for one limit's maximum takes on a path: twenty do on average; a limit that is just used all
-/// along the path takes one or two an interval.
-pub(crate) const EXTREME_STEPS: usize = 8192;
-
-/// Moments of a path closer than this part of its duration are one, when intervals are formed that nothing jumps within: a
-/// place is passed at a time that is known to some 1e-15, and near a stop to the root of a rounding.
-pub(crate) const BREAKS_APART: f64 = 1.0e-10;
-/// Distance of the nodes at which the simulated arm's inertia, Coriolis and gravity torques are computed, s. Chosen by measurement: with it the
-/// UR5e is off an independent integrator by 3e-8 rad after half a second (1 ms: 7e-8; 50 µs: 2e-10), and an elastic arm of 24 J
-/// keeps its energy to 8e-6 J in a second (6e-5; 8e-9). Pinned by the tests of `drive/plant/tests.rs`.
-pub(crate) const PLANT_NODES: f64 = 5.0e-4;

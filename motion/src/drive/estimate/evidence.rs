@@ -153,8 +153,8 @@ impl Evidence {
     ) {
         let open = &mut self.levels[0];
         let weighted = weight * remaining;
-        for index in 0..N {
-            open.scores[index] = lambda * open.scores[index] + weighted * psi[index];
+        for (score, psi) in open.scores.iter_mut().zip(psi).take(N) {
+            *score = lambda * *score + weighted * psi;
         }
         open.impulse += remaining * seconds;
         open.decay *= lambda;

@@ -143,6 +143,10 @@ impl UnitFactor {
     /// Takes in a measurement of ψ·f with a noise of variance `noise` > 0, whose inverse is `information`, and says by how much the
     /// estimate moves.
     #[inline(always)]
+    #[allow(
+        clippy::needless_range_loop,
+        reason = "rows and columns by their index, as in the formulas"
+    )]
     pub(super) fn measure<const N: usize>(&mut self, psi: &[f64; TERMS_MAX], noise: f64, information: f64) -> Gain {
         let mut turned = [0.0; N];
         for j in 0..N {

@@ -147,9 +147,9 @@ mod tests {
                 gain * omega * libm::cos(angle),
                 -gain * omega * omega * libm::sin(angle),
             ];
-            for order in 0..3 {
+            for (order, expected) in expected.iter().enumerate() {
                 let scale = libm::pow(omega, order as f64);
-                let error = (filter.state[order] - expected[order]).abs();
+                let error = (filter.state[order] - expected).abs();
                 assert!(error < 1e-5 * scale, "{index} {order}: {error}");
             }
         }

@@ -11,6 +11,7 @@ use super::observer::{LagStep, Observer};
 use super::options::{EstimatorMethod, FrictionSide};
 use super::report::SkippedOfJoint;
 use super::spread::Spread;
+use crate::tolerance::TELEMETRY_TORQUE_MAX;
 
 /// Everything that a joint's estimate goes on from.
 #[derive(Debug, Clone, PartialEq)]
@@ -248,7 +249,7 @@ impl JointState {
 
     #[inline(always)]
     fn use_sample(&mut self, rules: &Rules, step: &Step, sample: &Sample, torque: f64, psi: &[f64; TERMS_MAX]) {
-        if !(torque.abs() <= crate::tolerance::TELEMETRY_TORQUE_MAX) {
+        if torque.is_nan() || torque.abs() > TELEMETRY_TORQUE_MAX {
             self.skipped.out_of_range += 1;
             return;
         }

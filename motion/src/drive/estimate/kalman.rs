@@ -69,6 +69,10 @@ impl Kalman {
     }
 
     #[inline(always)]
+    #[allow(
+        clippy::needless_range_loop,
+        reason = "rows and columns by their index, as in the formulas"
+    )]
     fn step<const N: usize>(
         &mut self,
         psi: &[f64; TERMS_MAX],

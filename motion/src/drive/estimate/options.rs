@@ -163,7 +163,7 @@ impl Prior {
             if values.len() != wanted {
                 let message = format!("{} values, a law of {count} terms has {wanted}", values.len());
                 findings.push(Invalid::new(format!("{path}.{name}"), message));
-            } else if values.iter().any(|value| !(value.abs() <= ESTIMATE_DEVIATION_MAX)) {
+            } else if !values.iter().all(|value| value.abs() <= ESTIMATE_DEVIATION_MAX) {
                 let message = format!("every value must be within ±{ESTIMATE_DEVIATION_MAX:e}");
                 findings.push(Invalid::new(format!("{path}.{name}"), message));
             }

@@ -85,9 +85,9 @@ fn intervals_cover_while_coefficients_wander() {
             kalman.wander(step);
             kalman.update(&psi, torque, deviation * deviation, 1.0, None);
         }
-        for index in 0..2 {
+        for (index, truth) in truth.iter().enumerate() {
             let width = 1.96 * kalman.covariance[lower(index, index)].sqrt();
-            inside += u32::from((kalman.coefficients[index] - truth[index]).abs() < width);
+            inside += u32::from((kalman.coefficients[index] - truth).abs() < width);
         }
     }
     let covered = f64::from(inside) / 1000.0;
