@@ -89,6 +89,8 @@ fn ur5e() -> Robot {
         tcp: None,
         frames: Vec::new(),
         use_urdf_dynamics: false,
+        link_inertia: Vec::new(),
+        uncertainty: None,
     };
     let mut resolved = description.resolve().expect("the arm is sound");
     for joint in &mut resolved.spec.joints {
