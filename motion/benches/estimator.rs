@@ -12,18 +12,14 @@
 #![allow(clippy::print_stdout, reason = "a program that prints a table")]
 
 use std::hint::black_box;
+use std::path::Path;
 use std::time::Instant;
 
 use takt_motion::budget::Budget;
 use takt_motion::drive::estimate::{EstimatorMethod, EstimatorOptions, FrictionEstimator, FrictionLaw, FrictionSide};
 use takt_motion::drive::telemetry::Telemetry;
 use takt_motion::robot::Robot;
-
-#[path = "../tests/real_arms/arm.rs"]
-#[allow(dead_code, reason = "the tests use all of it")]
-mod arm;
-#[path = "../tests/real_arms/example.rs"]
-mod example;
+use takt_motion::robot::description::{Description, Kinematics};
 
 const JOINTS: usize = 6;
 
@@ -78,9 +74,25 @@ fn main() {
     }
 }
 
-/// The example arm with rotors.
+/// The arm of `tests/vectors/robots`.
 fn ur5e() -> Robot {
-    let mut resolved = example::description("ur5e").resolve().expect("the example is sound");
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/vectors/robots/ur5e/ur5e.urdf");
+    let description = Description {
+        kinematics: Kinematics::Urdf {
+            text: std::fs::read_to_string(file).expect("the repository has the file"),
+            base_link: None,
+            tip_link: Some("tool0".to_owned()),
+        },
+        joints: Vec::new(),
+        gravity: Some([0.0, 0.0, -9.81].into()),
+        payload: None,
+        tcp: None,
+        frames: Vec::new(),
+        use_urdf_dynamics: false,
+        link_inertia: Vec::new(),
+        uncertainty: None,
+    };
+    let mut resolved = description.resolve().expect("the arm is sound");
     for joint in &mut resolved.spec.joints {
         // the observer needs a rotor
         joint.drive.gear_ratio = 101.0;

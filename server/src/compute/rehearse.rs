@@ -31,7 +31,10 @@ pub(crate) fn rehearse(
         plan::Failure::Invalid(list) => {
             let list = list.into_iter();
             let list = list.map(|found| convert::rehearse::finding_on_request(found, &wire, robot.robot.spec()));
-            ServiceError::invalid(list.collect())
+            let mut list: Vec<Invalid> = list.collect();
+            // An entry for all joints is wrong for each of them.
+            list.dedup();
+            ServiceError::invalid(list)
         }
         stopped @ plan::Failure::Stopped => failed(stopped, deadline),
     })?;
