@@ -73,7 +73,11 @@ impl<'a> Bands<'a> {
             .map(|(arm, parameter)| match arm {
                 Some(arm) => {
                     let varied = torque(arm, workspace);
-                    varied.iter().zip(&nominal).map(|(varied, nominal)| varied - nominal).collect()
+                    varied
+                        .iter()
+                        .zip(&nominal)
+                        .map(|(varied, nominal)| varied - nominal)
+                        .collect()
                 }
                 None => friction_row(*parameter, at, &gravity),
             })

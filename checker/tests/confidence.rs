@@ -56,7 +56,10 @@ fn uncertain(draw: &mut Draw, joint_count: usize) -> RobotSpec {
         degrees_of_freedom: f64::INFINITY,
     };
     spec.uncertainty = Some(Uncertainty {
-        covariance: (0..count).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|(i, j)| product(i, j)).collect(),
+        covariance: (0..count)
+            .flat_map(|i| (0..=i).map(move |j| (i, j)))
+            .map(|(i, j)| product(i, j))
+            .collect(),
         parameters,
         residuals: vec![residual; joint_count],
     });
@@ -97,9 +100,15 @@ fn least_margin(spec: &RobotSpec, start: &[f64], patterns: &[Pattern]) -> f64 {
     let times = beside.flatten().chain(even).filter(|time| *time > 0.0 && *time < whole);
     let mut least = f64::INFINITY;
     for time in times {
-        let states = patterns.iter().map(|pattern| state_in(pattern, part_at(pattern, time), time));
+        let states = patterns
+            .iter()
+            .map(|pattern| state_in(pattern, part_at(pattern, time), time));
         let states: Vec<_> = states.collect();
-        let q: Vec<f64> = states.iter().zip(start).map(|(state, start)| start + state.travelled).collect();
+        let q: Vec<f64> = states
+            .iter()
+            .zip(start)
+            .map(|(state, start)| start + state.travelled)
+            .collect();
         let qd: Vec<f64> = states.iter().map(|state| state.velocity).collect();
         let qdd: Vec<f64> = states.iter().map(|state| state.acceleration).collect();
         let direction: Vec<f64> = patterns.iter().map(|pattern| pattern.displacement).collect();
@@ -141,7 +150,11 @@ fn torque_and_band_stay_within_the_limit_and_close_to_the_margin_stated() {
         planned += 1;
         costly += usize::from(report.joints.iter().any(|joint| joint.set_aside > 0.0));
         let least = least_margin(&spec, &start, &plan.patterns);
-        let stated = report.joints.iter().map(|joint| joint.margin).fold(f64::INFINITY, f64::min);
+        let stated = report
+            .joints
+            .iter()
+            .map(|joint| joint.margin)
+            .fold(f64::INFINITY, f64::min);
         assert!(least > -1e-6, "{least}");
         // rests count for the planner and not here; samples miss less than a thousandth of a limit
         assert!(stated <= least + 1e-3, "{stated} stated, {least} found");

@@ -17,8 +17,8 @@ use prost::Message;
 use takt_motion::{
     Invalid,
     budget::Budget,
-    drive::rehearse::request::Motion,
     confidence::Confident,
+    drive::rehearse::request::Motion,
     plan::{
         self,
         outcome::{MoveOutcome, Setpoints},

@@ -1,6 +1,8 @@
 //! Torque limits at a confidence, over both protocols.
 
-use takt_client::v1::{self, fitted_parameter::Kind, plan_move_response::Outcome, plan_path_response::Outcome as OfPath};
+use takt_client::v1::{
+    self, fitted_parameter::Kind, plan_move_response::Outcome, plan_path_response::Outcome as OfPath,
+};
 use takt_tests::{
     Protocol, TestServer,
     fixtures::{plan_move, registration},
@@ -58,7 +60,9 @@ async fn both_protocols_hold_the_same_limits_at_the_same_cost() {
                 ..plain.clone()
             };
             let reply = client.plan_move(request).await.unwrap();
-            let Some(Outcome::Plan(plan)) = &reply.outcome else { panic!("{reply:?}") };
+            let Some(Outcome::Plan(plan)) = &reply.outcome else {
+                panic!("{reply:?}")
+            };
             assert_eq!(plan.confidence.is_some(), confidence.is_some());
             if let Some(report) = &plan.confidence {
                 assert!(report.holds && report.joints.len() == 2);
@@ -66,13 +70,19 @@ async fn both_protocols_hold_the_same_limits_at_the_same_cost() {
                 assert_eq!(report.nominal_duration_s, Some(durations[0]));
                 for joint in &report.joints {
                     let margin = (joint.limit - joint.torque.abs() - joint.band) / joint.limit;
-                    assert!(joint.margin >= 0.0 && (margin - joint.margin).abs() < 1e-12, "{joint:?}");
+                    assert!(
+                        joint.margin >= 0.0 && (margin - joint.margin).abs() < 1e-12,
+                        "{joint:?}"
+                    );
                 }
             }
             durations.push(plan.duration_s);
             replies.push(reply);
         }
-        assert!(durations[0] < durations[1] && durations[1] < durations[2], "{durations:?}");
+        assert!(
+            durations[0] < durations[1] && durations[1] < durations[2],
+            "{durations:?}"
+        );
     }
     let (first, second) = replies.split_at(3);
     assert_eq!(first, second);
@@ -104,7 +114,9 @@ async fn programs_and_checks_take_a_confidence_too() {
             ..Default::default()
         };
         let reply = client.plan_path(program).await.unwrap();
-        let Some(OfPath::Plan(plan)) = &reply.outcome else { panic!("{reply:?}") };
+        let Some(OfPath::Plan(plan)) = &reply.outcome else {
+            panic!("{reply:?}")
+        };
         let report = plan.confidence.as_ref().unwrap();
         assert!(report.holds && plan.duration_s >= report.nominal_duration_s.unwrap());
         let point = |time_s: f64| v1::TrajectoryPoint {
@@ -144,7 +156,10 @@ async fn what_no_speed_lets_hold_is_refused_with_its_band() {
     match reply.outcome {
         Some(Outcome::Infeasible(no)) => {
             let band = no.band.unwrap();
-            assert!(band > 0.0 && no.needed.abs() > no.available && no.needed.abs() - band < no.available, "{no:?}");
+            assert!(
+                band > 0.0 && no.needed.abs() > no.available && no.needed.abs() - band < no.available,
+                "{no:?}"
+            );
         }
         other => panic!("{other:?}"),
     }

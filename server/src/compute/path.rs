@@ -4,16 +4,14 @@ use std::time::Instant;
 
 use takt_motion::{
     budget::Budget,
-    drive::rehearse::request::Motion,
     confidence::Confident,
+    drive::rehearse::request::Motion,
     path::{self, outcome::PathOutcome},
 };
 use takt_proto::{convert, v1};
 use tracing::Span;
 
-use super::{
-    Planned, Reading, Subject, check_setpoints, check_trace, confident, failed, finite, motor, not_finite,
-};
+use super::{Planned, Reading, Subject, check_setpoints, check_trace, confident, failed, finite, motor, not_finite};
 use crate::{config::Limits, error::ServiceError};
 
 /// Plans a robot program.

@@ -68,7 +68,6 @@ fn confidences() -> Vec<Row> {
         confidence("in percent", 95.0, None, LEVEL),
         confidence("not a number", NAN, None, LEVEL),
         confidence("over nothing named", 0.95, Some(0), &[EXACT, "confidence.over"]),
-        confidence("over something unknown", 0.95, Some(9), &[EXACT, "confidence.over"]),
     ]
 }
 
