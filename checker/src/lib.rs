@@ -7,6 +7,7 @@
 //!
 //! - [`arm`]: inverse dynamics, Newton and Euler for each body in the base frame, moments summed about each joint axis.
 //! - [`motion`]: a pattern as the motion of one joint over time, and whether its figures agree with each other.
+//! - [`band`]: how far a torque may be from what a model says, given how well it is known.
 //! - [`bounds`]: the limits that a request puts in force.
 //! - [`recheck`](mod@recheck): a whole move on a dense grid of times, both sides of every switching time included.
 //! - [`report`]: what it finds: the extremes of every joint, and what does not agree.
@@ -22,6 +23,7 @@
 #![warn(missing_docs)]
 
 pub mod arm;
+pub mod band;
 pub mod bounds;
 pub mod claims;
 pub mod draw;

@@ -15,6 +15,7 @@ pub(crate) mod robot;
 pub(crate) mod serve;
 pub(crate) mod setpoints;
 
+mod confidence;
 mod context;
 
 use tokio::runtime::Builder;

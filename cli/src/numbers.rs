@@ -44,6 +44,14 @@ impl FromStr for JointValue {
     }
 }
 
+/// A part of a whole: `95%` or `0.95`.
+pub(crate) fn part(text: &str) -> Result<f64, String> {
+    match text.trim().strip_suffix('%') {
+        Some(percent) => finite(percent).map(|percent| percent / 100.0),
+        None => finite(text),
+    }
+}
+
 fn finite(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let value: f64 = text.parse().map_err(|_| match text {

@@ -1,6 +1,7 @@
 //! Forms of output. Everything here is a function of messages to text.
 
 pub(crate) mod check;
+pub(crate) mod confidence;
 pub(crate) mod csv;
 pub(crate) mod curves;
 pub(crate) mod dynamics;

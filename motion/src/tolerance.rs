@@ -987,3 +987,7 @@ pub(crate) const BAND_BLOCK: usize = 32;
 /// What a parameter's variance is raised by, relative, where rounding has made a covariance indefinite: twice what registration
 /// lets through.
 pub(crate) const COVARIANCE_LIFT: f64 = 2.0e-8;
+
+/// What the multiplier of a band at a sample is raised by where a normal and a Student variable add up: the tail of their sum is
+/// above that of either by 1.5e-4 of it, by quadrature, and falls by four times the part that the multiplier is raised by.
+pub(crate) const MIXTURE_RESERVE: f64 = 2.0e-4;

@@ -1,6 +1,7 @@
 //! Wire ↔ domain, and nowhere else. Every number that comes in is checked finite here, and every finding has the path
 //! of its field. A conversion collects all that is wrong and not just the first.
 
+pub mod confidence;
 pub mod drive;
 pub mod dynamics;
 pub mod fit;

@@ -1,5 +1,6 @@
 //! What runs on the planner's threads: from a request and a robot to the answer. Pure.
 
+mod confident;
 mod dynamics;
 mod estimate;
 mod finite;
@@ -16,6 +17,7 @@ use prost::Message;
 use takt_motion::{
     Invalid,
     budget::Budget,
+    confidence::Confident,
     drive::rehearse::request::Motion,
     plan::{
         self,
@@ -242,7 +244,7 @@ pub(crate) fn plan_move(
 ) -> Result<v1::PlanMoveResponse, ServiceError> {
     let planned = planned_move(request, subject, limits, deadline, budget)?;
     let spec = planned.robot.robot.spec();
-    let mut outcome = convert::plan::outcome_to_wire(planned.outcome, spec);
+    let mut outcome = convert::confidence::move_to_wire(planned.outcome, spec);
     if let (v1::plan_move_response::Outcome::Plan(plan), Some(motors)) = (&mut outcome, &planned.motors) {
         motor::add(motors, &mut plan.setpoints, &mut plan.warnings, spec)?;
     }
@@ -258,25 +260,29 @@ fn planned_move(
     limits: &Limits,
     deadline: Instant,
     budget: &Budget<'_>,
-) -> Result<Planned<MoveOutcome>, ServiceError> {
+) -> Result<Planned<Confident<MoveOutcome>>, ServiceError> {
     let mut reading = Reading::of(&mut request, subject);
     check_trace(&mut reading.findings, request.trace_points, limits);
     let period = request.sample_period_s;
     let wants_motors = motor::is_asked(request.motor_setpoints, period, &mut reading.findings);
+    let asked = request.confidence;
+    let confidence = reading.convert(|spec, findings| convert::confidence::read(asked.as_ref(), spec, findings));
+    confident::check_motors(wants_motors, confidence, &mut reading.findings);
     let request = reading.convert(|spec, findings| convert::plan::move_request(request, spec, findings));
     reading.look_further(|robot, budget| plan::plan_move(robot, &request, budget));
     let (robot, provenance) = reading.checked()?;
-    let outcome = plan::plan_move(&robot.robot, &request, budget).map_err(|failure| failed(failure, deadline))?;
-    let (name, setpoints) = match &outcome {
+    let outcome = confident::plan_move(&robot.robot, &request, confidence, budget);
+    let outcome = outcome.map_err(|failure| failed(failure, deadline))?;
+    let (name, setpoints) = match &outcome.outcome {
         MoveOutcome::Plan(plan) => ("plan", plan.setpoints.as_ref()),
         MoveOutcome::Infeasible(_) => ("infeasible", None),
     };
     check_setpoints(setpoints, limits)?;
-    if !finite::outcome(&outcome) {
+    if !(finite::outcome(&outcome.outcome) && finite::confidence(&outcome)) {
         return Err(not_finite());
     }
     Span::current().record("outcome", name);
-    let motors = match (&outcome, period.filter(|_| wants_motors)) {
+    let motors = match (&outcome.outcome, period.filter(|_| wants_motors)) {
         (MoveOutcome::Plan(_), Some(period)) => {
             let motion = Motion::Move(Box::new(request));
             Some(motor::motors(&robot.robot, &motion, period, deadline, budget)?)
@@ -334,15 +340,18 @@ pub(crate) fn check_trajectory(
     if let Some(invalid) = at_most(POINTS, count, limits.max_trajectory_points, "max_trajectory_points") {
         return Err(ServiceError::invalid(vec![invalid]));
     }
+    let asked = request.confidence;
+    let confidence = reading.convert(|spec, findings| convert::confidence::read(asked.as_ref(), spec, findings));
     let request = reading.convert(|spec, findings| convert::plan::check_request(request, spec, findings));
     reading.look_further(|robot, budget| plan::check_trajectory(robot, &request, budget));
     let (robot, provenance) = reading.checked()?;
-    let report = plan::check_trajectory(&robot.robot, &request, budget).map_err(|failure| failed(failure, deadline))?;
-    if !finite::report(&report) {
+    let report = confident::check_trajectory(&robot.robot, &request, confidence, budget);
+    let report = report.map_err(|failure| failed(failure, deadline))?;
+    if !(finite::report(&report.outcome) && finite::confidence(&report)) {
         return Err(not_finite());
     }
     Ok(v1::CheckTrajectoryResponse {
         provenance: Some(provenance),
-        ..convert::plan::report_to_wire(report, robot.robot.spec())
+        ..convert::confidence::check_to_wire(report, robot.robot.spec())
     })
 }

@@ -4,6 +4,7 @@
 
 mod bad_inputs;
 mod bench;
+mod confidence;
 mod contract;
 mod inverse;
 mod limits;

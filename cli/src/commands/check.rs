@@ -3,7 +3,10 @@
 use clap::{Args, ValueEnum};
 use takt_client::{Client, v1};
 
-use super::context::{self, PayloadArgs, limit, limits};
+use super::{
+    confidence::ConfidenceArgs,
+    context::{self, PayloadArgs, limit, limits},
+};
 use crate::{
     exit,
     failure::Failure,
@@ -46,6 +49,8 @@ pub(crate) struct CheckArgs {
     /// Time from one start of this trajectory to the next, for the RMS torque, as in 3s.
     #[arg(long, value_name = "TIME", value_parser = numbers::seconds)]
     cycle_time: Option<f64>,
+    #[command(flatten)]
+    confidence: ConfidenceArgs,
     #[command(flatten)]
     payload: PayloadArgs,
     /// A revision other than the current one.
@@ -116,6 +121,7 @@ fn apply(args: &CheckArgs, request: &mut v1::CheckTrajectoryRequest) {
     request.payload = args.payload.payload().or(request.payload.take());
     request.revision = args.revision.clone().or(request.revision.take());
     request.torque_utilization = args.utilization.or(request.torque_utilization);
+    request.confidence = args.confidence.or(request.confidence.take());
     request.cycle_time_s = args.cycle_time.or(request.cycle_time_s);
     if let (Some(name), Some(trajectory)) = (args.interpolation, request.trajectory.as_mut()) {
         trajectory.interpolation = Some(i32::from(match name {

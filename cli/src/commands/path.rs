@@ -4,6 +4,7 @@ use clap::Args;
 use takt_client::{Client, v1};
 
 use super::{
+    confidence::ConfidenceArgs,
     context::{self, PayloadArgs, limit, limits},
     plan::{Output, Samples},
 };
@@ -61,6 +62,8 @@ pub(crate) struct PathArgs {
     #[arg(long, value_name = "JOINT.LIMIT=VALUE", value_parser = limit)]
     limit: Vec<(String, String, f64)>,
     #[command(flatten)]
+    confidence: ConfidenceArgs,
+    #[command(flatten)]
     payload: PayloadArgs,
     #[command(flatten)]
     samples: Samples,
@@ -112,6 +115,7 @@ fn request(args: &PathArgs, io: &mut Io) -> Result<v1::PlanPathRequest, Failure>
     request.torque_utilization = args.utilization.or(request.torque_utilization);
     request.speed_scale = args.speed_scale.or(request.speed_scale);
     request.motor_setpoints = args.samples.motors.then_some(true).or(request.motor_setpoints);
+    request.confidence = args.confidence.or(request.confidence.take());
     args.samples
         .apply(&args.output, &mut request.sample_period_s, &mut request.trace_points)?;
     Ok(request)

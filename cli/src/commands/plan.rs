@@ -5,6 +5,7 @@ use takt_client::{Client, v1};
 
 use super::{
     batch::{self, BatchArgs},
+    confidence::ConfidenceArgs,
     context::{self, PayloadArgs, limit, limits},
     path::{self, PathArgs},
 };
@@ -53,6 +54,7 @@ Examples:
   takt plan move ur5e --from … --to … --html report.html                       a report to hand on
   takt plan move ur5e --from … --to … --sample-period 8ms --ros                a ROS trajectory_msgs/JointTrajectory
   takt plan move ur5e --from … --to … --limit elbow_joint.velocity=1.5 --utilization 0.9
+  takt plan move fitted --from … --to … --confidence 95% --per-move             limits hold with what a fit left open
   takt plan move ur5e --request move.json --json                               as the API takes and gives it
   takt plan move ur5e --from … --to … --sample-period 8ms --json | takt check ur5e -
 
@@ -103,6 +105,8 @@ pub(crate) struct MoveArgs {
     /// Time from one start of this move to the next, for the RMS torque, as in 3s.
     #[arg(long, value_name = "TIME", value_parser = numbers::seconds)]
     cycle_time: Option<f64>,
+    #[command(flatten)]
+    confidence: ConfidenceArgs,
     #[command(flatten)]
     payload: PayloadArgs,
     #[command(flatten)]
@@ -275,6 +279,7 @@ fn request(args: &MoveArgs, robot: Option<&v1::Robot>, io: &mut Io) -> Result<v1
     request.speed_scale = args.speed_scale.or(request.speed_scale);
     request.cycle_time_s = args.cycle_time.or(request.cycle_time_s);
     request.motor_setpoints = args.samples.motors.then_some(true).or(request.motor_setpoints);
+    request.confidence = args.confidence.or(request.confidence.take());
     args.samples
         .apply(&args.output, &mut request.sample_period_s, &mut request.trace_points)?;
     Ok(request)

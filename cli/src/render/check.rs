@@ -5,7 +5,7 @@ use std::fmt::Write;
 use takt_client::v1;
 
 use super::{
-    plan,
+    confidence, plan,
     table::{Cell, Table, Tone, aligned, paint},
     words,
 };
@@ -18,6 +18,7 @@ pub(crate) fn report(reply: &v1::CheckTrajectoryResponse, robot: &v1::Robot, ter
     let broken = reply.limit_uses.iter().filter(|limit| limit.excess > 0.0).count();
     let verdict = match (reply.holds, broken) {
         (true, _) => paint("holds", Tone::Good, colour) + "  every limit that is known",
+        (false, 0) => paint("does not hold", Tone::Bad, colour) + "  limits hold, but not at the confidence",
         (false, 1) => paint("does not hold", Tone::Bad, colour) + "  1 limit is broken",
         (false, count) => paint("does not hold", Tone::Bad, colour) + &format!("  {count} limits are broken"),
     };
@@ -34,6 +35,15 @@ pub(crate) fn report(reply: &v1::CheckTrajectoryResponse, robot: &v1::Robot, ter
         paint("duration  ", Tone::Bold, colour),
         reply.duration_s
     );
+    if let Some(report) = &reply.confidence {
+        let (name, text, tone) = confidence::fact(report, None);
+        let _ = writeln!(
+            out,
+            "{}  {}",
+            paint(name, Tone::Bold, colour),
+            paint(&text, tone, colour)
+        );
+    }
     if let Some(safety) = &reply.override_safe {
         let (text, good) = words::override_safety(safety);
         let tone = if good { Tone::Plain } else { Tone::Bad };
@@ -53,6 +63,10 @@ pub(crate) fn report(reply: &v1::CheckTrajectoryResponse, robot: &v1::Robot, ter
     if !margins.is_empty() {
         out.push('\n');
         out.push_str(&margins.render_for(terminal));
+    }
+    if let Some(report) = &reply.confidence {
+        out.push('\n');
+        out.push_str(&confidence::table(report, robot).render_for(terminal));
     }
     out.push_str(&plan::warnings(&reply.warnings, colour));
     out

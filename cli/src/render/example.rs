@@ -115,6 +115,7 @@ pub(crate) fn plan() -> v1::MovePlan {
             mass_kg: Some(2.0),
             ..Default::default()
         }),
+        confidence: None,
     }
 }
 

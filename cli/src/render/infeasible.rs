@@ -44,6 +44,10 @@ pub(crate) fn evidence(infeasible: &v1::Infeasible, robot: &v1::Robot, colour: b
         "of which",
         &format!("{} {unit} are gravity's", number(infeasible.gravity_torque, 5)),
     );
+    if let Some(band) = infeasible.band {
+        let text = format!("{} {unit} are the band of the confidence", number(band, 5));
+        line("and", &text);
+    }
     if let Some(mass) = infeasible.feasible_payload_kg {
         line("payload", &format!("up to {} kg would do", number(mass, 4)));
     }

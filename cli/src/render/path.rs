@@ -5,6 +5,7 @@ use std::fmt::Write;
 use takt_client::v1::{self, PathLimitKind, path_infeasible::Reason};
 
 use super::{
+    confidence,
     plan::{margins, warnings},
     table::{Cell, Table, Tone, number, paint},
     words::{self, JointUnit, Units},
@@ -33,12 +34,14 @@ pub(crate) fn plan(
         let name = paint(&format!("{name:<10}"), Tone::Bold, colour);
         let _ = writeln!(out, "{name}  {}", paint(&value, tone, colour));
     }
+    let nothing = v1::ConfidenceReport::default();
     let tables = [
         segments(plan),
         blends(plan),
         costs(plan),
         limits(plan, robot, units),
         margins(&plan.torque_margins, robot),
+        confidence::table(plan.confidence.as_ref().unwrap_or(&nothing), robot),
     ];
     for table in tables.iter().filter(|table| !table.is_empty()) {
         out.push('\n');
@@ -96,6 +99,9 @@ pub(crate) fn facts(plan: &v1::PathPlan) -> Vec<(&'static str, String, Tone)> {
             let text = format!("{:.3} mm at most from the taught path", 1e3 * worst);
             facts.push(("corners", text, Tone::Plain));
         }
+    }
+    if let Some(report) = &plan.confidence {
+        facts.push(confidence::fact(report, Some(plan.duration_s)));
     }
     if let Some(safety) = &plan.override_safe {
         let (text, good) = words::override_safety(safety);
@@ -260,6 +266,10 @@ pub(crate) fn evidence(no: &v1::PathInfeasible, robot: &v1::Robot, colour: bool)
             "of which",
             &format!("{} {unit} are gravity's", number(no.gravity_torque, 5)),
         );
+    }
+    if let Some(band) = no.band {
+        let text = format!("{} {unit} are the band of the confidence", number(band, 5));
+        line("and", &text);
     }
     if let Some(part) = no.reachable_fraction {
         line("reachable", &format!("the first {:.1} % of the segment", 100.0 * part));

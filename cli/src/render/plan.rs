@@ -5,6 +5,7 @@ use std::fmt::Write;
 use takt_client::v1;
 
 use super::{
+    confidence,
     table::{Cell, Table, Tone, aligned, paint},
     words::{self, JointUnit, Units},
 };
@@ -43,6 +44,10 @@ pub(crate) fn plan(
         out.push('\n');
         out.push_str(&margins.render_for(terminal));
     }
+    if let Some(report) = &plan.confidence {
+        out.push('\n');
+        out.push_str(&confidence::table(report, robot).render_for(terminal));
+    }
     out.push_str(&warnings(&plan.warnings, colour));
     out
 }
@@ -78,6 +83,9 @@ pub(crate) fn facts(plan: &v1::MovePlan) -> Vec<(&'static str, String, Tone)> {
             ));
         }
         v1::move_plan::Fallback::None | v1::move_plan::Fallback::Unspecified => {}
+    }
+    if let Some(report) = &plan.confidence {
+        facts.push(confidence::fact(report, Some(plan.duration_s)));
     }
     if let Some(safety) = &plan.override_safe {
         let (text, good) = words::override_safety(safety);

@@ -260,6 +260,7 @@ fn plan_to_wire(plan: MovePlan, robot: &RobotSpec) -> v1::MovePlan {
         speed_scale: plan.speed_scale,
         cycle_time_s: plan.cycle_time,
         payload: Some(robot::payload_to_wire(&plan.payload)),
+        confidence: None,
     }
 }
 
@@ -369,6 +370,7 @@ pub(super) fn infeasible_to_wire(refusal: Infeasible, robot: &RobotSpec) -> v1::
         gravity_torque: refusal.gravity_torque,
         suggestion: refusal.suggestion,
         feasible_payload_kg: refusal.feasible_payload,
+        band: None,
     }
 }
 
@@ -393,6 +395,7 @@ pub fn report_to_wire(report: CheckReport, robot: &RobotSpec) -> v1::CheckTrajec
         warnings: report.warnings,
         interpolation: interpolation.into(),
         provenance: None,
+        confidence: None,
     }
 }
 

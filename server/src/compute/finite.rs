@@ -1,6 +1,7 @@
 //! No number that is not finite leaves the service: JSON has none, and no controller should see one.
 
 use takt_motion::{
+    confidence::{Confident, JointConfidence},
     path::outcome::{PathInfeasible, PathOutcome, PathPlan, PathSetpoints},
     plan::outcome::{CheckReport, Infeasible, MoveOutcome, MovePlan, OverrideSafety, Pattern, Setpoints, TorqueMargin},
 };
@@ -28,6 +29,28 @@ pub(super) fn path(outcome: &PathOutcome) -> bool {
         PathOutcome::Plan(plan) => path_plan(plan),
         PathOutcome::Infeasible(refusal) => path_infeasible(refusal),
     }
+}
+
+/// What a confidence adds to an answer.
+pub(super) fn confidence<O>(answer: &Confident<O>) -> bool {
+    let report = answer.report.as_ref();
+    let numbers = |joint: &JointConfidence| {
+        [
+            joint.limit,
+            joint.torque,
+            joint.band,
+            joint.margin,
+            joint.time,
+            joint.parameter_deviation,
+            joint.residual_deviation,
+            joint.set_aside,
+        ]
+    };
+    all(&[answer.band.unwrap_or(0.0)])
+        && report.is_none_or(|report| {
+            all(&[report.nominal_duration.unwrap_or(0.0)])
+                && report.joints.iter().map(numbers).all(|numbers| all(&numbers))
+        })
 }
 
 pub(super) fn inverse(result: &v1::InverseKinematicsResult) -> bool {

@@ -79,12 +79,12 @@ pub(crate) fn stream_setpoints(
             );
             let period = period.map_err(within)?;
             let mut planned = planned_move(motion, subject, limits, deadline, budget).map_err(within)?;
-            let setpoints = match &mut planned.outcome {
+            let setpoints = match &mut planned.outcome.outcome {
                 MoveOutcome::Plan(plan) => plan.setpoints.take().map(SetpointsOf::Move),
                 MoveOutcome::Infeasible(_) => None,
             };
             let answer = v1::PlanMoveResponse {
-                outcome: Some(convert::plan::outcome_to_wire(
+                outcome: Some(convert::confidence::move_to_wire(
                     planned.outcome,
                     planned.robot.robot.spec(),
                 )),
@@ -101,12 +101,12 @@ pub(crate) fn stream_setpoints(
             );
             let period = period.map_err(within)?;
             let mut planned = planned_path(motion, subject, limits, deadline, budget).map_err(within)?;
-            let setpoints = match &mut planned.outcome {
+            let setpoints = match &mut planned.outcome.outcome {
                 PathOutcome::Plan(plan) => plan.setpoints.take().map(SetpointsOf::Path),
                 PathOutcome::Infeasible(_) => None,
             };
             let answer = v1::PlanPathResponse {
-                outcome: Some(convert::path::outcome_to_wire(
+                outcome: Some(convert::confidence::path_to_wire(
                     planned.outcome,
                     planned.robot.robot.spec(),
                 )),

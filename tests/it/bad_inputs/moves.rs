@@ -1,6 +1,6 @@
 //! Moves that are wrong.
 
-use takt_proto::v1::{LimitOverride, Payload, PlanMoveRequest, Pose, Tool};
+use takt_proto::v1::{Confidence, LimitOverride, Payload, PlanMoveRequest, Pose, Tool};
 use takt_tests::fixtures::good_move;
 
 use super::{AND_MORE, NOT_FOUND, Row};
@@ -52,6 +52,25 @@ fn elbow() -> LimitOverride {
     }
 }
 
+fn confidence(name: &str, level: f64, over: Option<i32>, fields: &[&str]) -> Row {
+    let confidence = Some(Confidence { level, over });
+    row(&format!("confidence: {name}"), |m| m.confidence = confidence, fields)
+}
+
+/// The model of the arm counts as exact.
+fn confidences() -> Vec<Row> {
+    const EXACT: &str = "confidence";
+    const LEVEL: &[&str] = &[EXACT, "confidence.level"];
+    vec![
+        confidence("of an exact model", 0.95, None, &[EXACT]),
+        confidence("of a half", 0.5, None, LEVEL),
+        confidence("of one", 1.0, Some(2), LEVEL),
+        confidence("in percent", 95.0, None, LEVEL),
+        confidence("not a number", NAN, None, LEVEL),
+        confidence("over nothing named", 0.95, Some(0), &[EXACT, "confidence.over"]),
+    ]
+}
+
 pub(super) fn rows() -> Vec<Row> {
     let mut rows = positions();
     rows.extend(speeds());
@@ -59,6 +78,7 @@ pub(super) fn rows() -> Vec<Row> {
     rows.extend(limits());
     rows.extend(scalars());
     rows.extend(names());
+    rows.extend(confidences());
     rows.push(row(
         "everything is wrong at once",
         |m| {

@@ -55,6 +55,7 @@ fn plan_to_wire(plan: PathPlan, robot: &RobotSpec) -> v1::PathPlan {
         torque_utilization: plan.torque_utilization,
         speed_scale: plan.speed_scale,
         payload: Some(robot::payload_to_wire(&plan.payload)),
+        confidence: None,
     }
 }
 
@@ -261,5 +262,6 @@ pub(in crate::convert) fn infeasible_to_wire(refusal: PathInfeasible, robot: &Ro
         gravity_torque: refusal.gravity_torque,
         reachable_fraction: refusal.reachable_fraction,
         suggestion: refusal.suggestion,
+        band: None,
     }
 }
