@@ -17,7 +17,6 @@ mod demand;
 mod factor;
 mod hold;
 mod moves;
-mod quantile;
 mod tightened;
 mod width;
 

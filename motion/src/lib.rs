@@ -37,6 +37,7 @@ pub mod path;
 pub mod plan;
 pub mod process;
 pub mod robot;
+mod quantile;
 mod scalar;
 #[cfg(test)]
 mod test_arms;

@@ -818,10 +818,6 @@ pub(crate) const STUDENT_DEGREES: [f64; 11] = [2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.
 /// Natural logarithm of how far the likeliest deviation of a residual may be from its root mean square, either way.
 pub(crate) const STUDENT_SCALE_RANGE: f64 = 3.0;
 
-/// Terms of the continued fraction of the incomplete beta function: for the degrees in use a few dozen are enough.
-pub(crate) const INCOMPLETE_BETA_ROUNDS: usize = 300;
-pub(crate) const QUANTILE_ROUNDS: usize = 200;
-
 /// Speed below which a joint is at rest to a fit, rad/s or m/s: friction is then between its two directions, and a model's torque is
 /// uncertain by it.
 pub(crate) const REST_SPEED: f64 = 0.02;
@@ -940,6 +936,7 @@ pub(crate) const STUDENT_ROUNDS: usize = 5_000;
 
 /// A quantile is found when Newton's step is this part of it, and after so many rounds at the latest: halving alone needs sixty.
 pub(crate) const QUANTILE_ROUNDING: f64 = 1.0e-14;
+pub(crate) const QUANTILE_ROUNDS: usize = 60;
 
 /// Part of a band that plans leave unused: torque and band are sampled, ten times in a stretch of a tenth of a radian and once more
 /// around the largest sum, so that a maximum between samples is missed by less than this part of the band.

@@ -21,7 +21,6 @@ mod evidence;
 mod excitation;
 mod factor;
 mod filter;
-mod interval;
 mod joint;
 mod kalman;
 mod law;

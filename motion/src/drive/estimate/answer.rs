@@ -3,12 +3,15 @@
 use super::FrictionEstimator;
 use super::factor::lower;
 use super::filter;
-use super::interval;
 use super::joint::JointState;
 use super::law::TRIANGLE;
 use super::options::EstimatorMethod;
 use super::report::{Coefficient, EstimateReport, JointEstimate, MissingExcitation};
+use crate::quantile;
 use crate::tolerance::ESTIMATE_TOLD_PART;
+
+/// What a report's interval beyond either end leaves: it holds 95 %.
+const TAIL: f64 = 0.025;
 
 impl FrictionEstimator {
     /// What is known by now.
@@ -32,7 +35,7 @@ impl FrictionEstimator {
         let law = self.options.law;
         let count = law.count();
         let (covariance, degrees_of_freedom) = self.covariance(joint);
-        let width = interval::half_width(degrees_of_freedom.unwrap_or(f64::INFINITY));
+        let width = quantile::student(degrees_of_freedom.unwrap_or(f64::INFINITY), TAIL);
         let before = &self.models[index].deviations;
         let values = joint.coefficients(self.options.method);
         let coefficients: Vec<Coefficient> = (0..count)

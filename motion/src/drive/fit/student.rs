@@ -8,9 +8,8 @@ use std::f64::consts::PI;
 
 use super::linear::dot;
 use crate::budget::{Budget, Stopped};
-use crate::tolerance::{
-    GOLDEN_STEPS, INCOMPLETE_BETA_ROUNDS, NOISE_SAMPLES_MAX, QUANTILE_ROUNDS, STUDENT_DEGREES, STUDENT_SCALE_RANGE,
-};
+use crate::quantile;
+use crate::tolerance::{GOLDEN_STEPS, NOISE_SAMPLES_MAX, STUDENT_DEGREES, STUDENT_SCALE_RANGE};
 
 /// Noise of one joint's torque.
 #[derive(Debug, Clone, Copy)]
@@ -59,7 +58,7 @@ impl Noise {
     /// Half width, over the standard deviation, of the interval that holds a part `confidence`.
     pub(crate) fn unit(&self, confidence: f64) -> f64 {
         let degrees = self.degrees_of_freedom;
-        quantile(0.5 * (1.0 + confidence), degrees) * ((degrees - 2.0) / degrees).sqrt()
+        quantile::student(degrees, 0.5 * (1.0 - confidence)) * ((degrees - 2.0) / degrees).sqrt()
     }
 }
 
@@ -117,92 +116,10 @@ pub(crate) fn correlated_samples(residual: &[f64], budget: &Budget<'_>) -> Resul
     Ok(sum)
 }
 
-/// Where Student's distribution has a part `probability` (0.5 to below 1) of itself below.
-pub(crate) fn quantile(probability: f64, degrees: f64) -> f64 {
-    let (mut low, mut high) = (0.0, 1.0);
-    while distribution(high, degrees) < probability && high < f64::MAX.sqrt() {
-        high *= 2.0;
-    }
-    for _ in 0..QUANTILE_ROUNDS {
-        let middle = 0.5 * (low + high);
-        if distribution(middle, degrees) < probability {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    0.5 * (low + high)
-}
-
-/// Part of Student's distribution below t ≥ 0.
-fn distribution(t: f64, degrees: f64) -> f64 {
-    1.0 - 0.5 * incomplete_beta(0.5 * degrees, 0.5, degrees / (degrees + t * t))
-}
-
-/// I_x(a, b), by Lentz's continued fraction (W. Press et al., "Numerical Recipes", §6.4).
-fn incomplete_beta(a: f64, b: f64, x: f64) -> f64 {
-    if x <= 0.0 || x >= 1.0 {
-        return x.clamp(0.0, 1.0);
-    }
-    let ln_front = libm::lgamma(a + b) - libm::lgamma(a) - libm::lgamma(b) + a * libm::log(x) + b * libm::log1p(-x);
-    let front = libm::exp(ln_front);
-    if x < (a + 1.0) / (a + b + 2.0) {
-        return front * fraction(a, b, x) / a;
-    }
-    1.0 - front * fraction(b, a, 1.0 - x) / b
-}
-
-fn fraction(a: f64, b: f64, x: f64) -> f64 {
-    let away = |value: f64| {
-        if value.abs() < f64::MIN_POSITIVE {
-            f64::MIN_POSITIVE
-        } else {
-            value
-        }
-    };
-    let mut c = 1.0;
-    let mut d = 1.0 / away(1.0 - (a + b) * x / (a + 1.0));
-    let mut h = d;
-    for m in 1..INCOMPLETE_BETA_ROUNDS {
-        let m = m as f64;
-        let even = m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m));
-        d = 1.0 / away(1.0 + even * d);
-        c = away(1.0 + even / c);
-        h *= d * c;
-        let odd = -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0));
-        d = 1.0 / away(1.0 + odd * d);
-        c = away(1.0 + odd / c);
-        let change = d * c;
-        h *= change;
-        if (change - 1.0).abs() <= f64::EPSILON {
-            break;
-        }
-    }
-    h
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::test_arms::random;
-
-    /// By `scipy.stats.t.ppf` of SciPy 1.17.1.
-    #[test]
-    fn quantiles_are_those_of_another_library() {
-        for (probability, degrees, expected) in QUANTILES {
-            let found = quantile(probability, degrees);
-            assert!((found - expected).abs() < 1e-9 * expected, "{found} {expected}");
-        }
-    }
-
-    const QUANTILES: [(f64, f64, f64); 6] = [
-        (0.975, 2.5, 3.5746548420036817),
-        (0.975, 4.0, 2.7764451051977934),
-        (0.975, 200.0, 1.9718962236339088),
-        (0.9, 10.0, 1.372183641110336),
-        (0.995, 3.0, 5.840909309733355),
-        (0.999, 30.0, 3.3851848668293045),
-    ];
 
     /// A normal deviate (G. Box, M. Muller).
     fn normal(state: &mut u64) -> f64 {

@@ -2,9 +2,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::*;
 use crate::drive::estimate::factor::lower;
-use crate::drive::estimate::interval::half_width;
 use crate::drive::estimate::law::FrictionLaw;
 use crate::drive::estimate::noise::{Correlated, normal};
+use crate::quantile;
 use crate::test_arms::random;
 
 const FAR: [f64; TERMS_MAX] = [1e12; TERMS_MAX];
@@ -251,7 +251,7 @@ fn coverage(correlation: f64, tails: Option<f64>) -> f64 {
             state_of.update(&row).unwrap();
         }
         let known = state_of.evidence.known(2, &state_of.factor, second);
-        let width = half_width(known.degrees_of_freedom.unwrap_or(f64::INFINITY));
+        let width = quantile::student(known.degrees_of_freedom.unwrap_or(f64::INFINITY), 0.025);
         for (index, truth) in truth.iter().enumerate() {
             let deviation = known.covariance[lower(index, index)].sqrt();
             inside += u32::from((state_of.coefficients[index] - truth).abs() <= width * deviation);

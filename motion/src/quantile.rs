@@ -20,12 +20,12 @@ use crate::tolerance::{
 type Tail = [f64; 2];
 
 /// Beyond it lies `tail` of the standard normal distribution, 0 < tail < ½.
-pub(super) fn normal(tail: f64) -> f64 {
+pub(crate) fn normal(tail: f64) -> f64 {
     place(normal_tail, tail)
 }
 
 /// Beyond it lies `tail` of Student's distribution as it is, of variance ν/(ν − 2); 0 < tail < ½.
-pub(super) fn student(degrees_of_freedom: f64, tail: f64) -> f64 {
+pub(crate) fn student(degrees_of_freedom: f64, tail: f64) -> f64 {
     if degrees_of_freedom < STUDENT_NORMAL_FROM {
         let scale = density_scale(degrees_of_freedom);
         return place(|t| student_tail(t, degrees_of_freedom, scale), tail);
@@ -39,7 +39,7 @@ pub(super) fn student(degrees_of_freedom: f64, tail: f64) -> f64 {
 
 /// Beyond it, somewhere on its way, lies a Gaussian process of unit variance with at most the probability `tail`, both signs
 /// counted, whose direction turns by `turn`, rad: 2·Q(u) + turn/π·exp(−u²/2).
-pub(super) fn largest_of_process(turn: f64, tail: f64) -> f64 {
+pub(crate) fn largest_of_process(turn: f64, tail: f64) -> f64 {
     let law = |u: f64| {
         let [one, density] = normal_tail(u);
         let crossing = turn / PI * libm::exp(-0.5 * u * u);
