@@ -14,10 +14,14 @@
 
 #![allow(clippy::print_stdout, reason = "a program that prints a table")]
 
+#[path = "common/asked.rs"]
+mod asked;
 #[path = "common/findings.rs"]
 mod findings;
 #[path = "common/programs.rs"]
 mod programs;
+#[path = "common/rich.rs"]
+mod rich;
 #[path = "common/robots.rs"]
 mod robots;
 #[path = "common/runs.rs"]
@@ -57,7 +61,7 @@ struct Tally {
 }
 
 fn main() -> ExitCode {
-    let (robots, arguments) = robots::asked_for();
+    let (robots, arguments) = asked::asked_for();
     if let Some(seed) = arguments.first().and_then(|seed| seed.parse().ok()) {
         return show(&robots, seed);
     }

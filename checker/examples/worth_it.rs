@@ -13,7 +13,6 @@
 #[path = "common/payloads.rs"]
 mod payloads;
 #[path = "common/robots.rs"]
-#[allow(dead_code, reason = "shared with programs that need more of it")]
 mod robots;
 
 use nalgebra::Vector3;

@@ -4,6 +4,8 @@
 #[path = "../examples/common/programs.rs"]
 #[allow(dead_code, reason = "shared with programs that need more of it")]
 mod programs;
+#[path = "../examples/common/rich.rs"]
+mod rich;
 #[path = "../examples/common/robots.rs"]
 mod robots;
 
@@ -72,7 +74,7 @@ fn check_some(robots: &[Example], robot: usize, programs: u64, share: u64) {
 
 #[test]
 fn drives_that_rub_with_their_load_and_with_the_speed_squared_keep_every_limit() {
-    let robots = robots::all_with_rich_friction();
+    let robots = rich::with_rich_friction(robots::all());
     for robot in 0..robots.len() {
         check_some(&robots, robot, 20, 50);
     }

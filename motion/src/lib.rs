@@ -36,8 +36,8 @@ pub mod kinematics;
 pub mod path;
 pub mod plan;
 pub mod process;
-pub mod robot;
 mod quantile;
+pub mod robot;
 mod scalar;
 #[cfg(test)]
 mod test_arms;

@@ -3,7 +3,6 @@
 use std::fs;
 use std::path::Path as FilePath;
 
-use takt_checker::draw::{self, Draw};
 use takt_motion::robot::Robot;
 use takt_proto::convert::{self, Findings, Path};
 use takt_proto::v1::RobotDescription;
@@ -27,33 +26,6 @@ pub(crate) fn all() -> Vec<Example> {
         .collect();
     files.sort();
     files.iter().map(|file| read(file)).collect()
-}
-
-/// The same with drives that rub with their load and with the speed squared, too.
-pub(crate) fn all_with_rich_friction() -> Vec<Example> {
-    let draw = &mut Draw::seeded(11);
-    let rich = |example: Example| {
-        let spec = draw::with_rich_friction(draw, example.robot.spec().clone());
-        let robot = Robot::new(spec, example.robot.warnings().to_vec());
-        Example {
-            robot: robot.unwrap_or_else(|wrong| panic!("{}: {wrong:?}", example.name)),
-            ..example
-        }
-    };
-    all().into_iter().map(rich).collect()
-}
-
-/// The robots that a run is asked for, by `--rich-friction` or not, and its other arguments.
-pub(crate) fn asked_for() -> (Vec<Example>, Vec<String>) {
-    let (rich, others): (Vec<_>, Vec<_>) = std::env::args()
-        .skip(1)
-        .partition(|argument| argument == "--rich-friction");
-    let robots = if rich.is_empty() {
-        all()
-    } else {
-        all_with_rich_friction()
-    };
-    (robots, others)
 }
 
 fn read(file: &FilePath) -> Example {

@@ -52,12 +52,15 @@ pub(crate) struct Short<P> {
     pub(crate) tightest: Tightest,
 }
 
+/// How planning until limits hold ends.
+pub(crate) type Settled<P> = Result<Held<P>, Short<P>>;
+
 /// Plans until limits hold; the slowest plan tried, where they do not.
 pub(crate) fn hold<P: Planner>(
     planner: &mut P,
     nominal: P::Plan,
     limits: &[Option<f64>],
-) -> Result<Result<Held<P::Plan>, Short<P::Plan>>, Failure> {
+) -> Result<Settled<P::Plan>, Failure> {
     let demand = planner.demand(&nominal)?;
     let none = Tightening::none(limits.len());
     let nominal = Held {
@@ -164,11 +167,7 @@ fn loosened<P>(current: &Held<P>) -> Option<Vec<f64>> {
 
 /// Slows the motion down as a whole until limits hold, by halving the range of speeds that may. `nominal` is what the plan asks at
 /// full speed.
-fn slow_down<P: Planner>(
-    planner: &mut P,
-    nominal: &Demand,
-    none: &Tightening,
-) -> Result<Result<Held<P::Plan>, Short<P::Plan>>, Failure> {
+fn slow_down<P: Planner>(planner: &mut P, nominal: &Demand, none: &Tightening) -> Result<Settled<P::Plan>, Failure> {
     let scaled = |rates: &[f64], factor: f64| -> Vec<f64> {
         let scaled = rates
             .iter()

@@ -22,8 +22,8 @@
 //! - The residual is alike over a correlation time τ_c and drawn anew after it: a motion of duration T sees at most
 //!   N = 1 + T/τ_c draws in the mean, and z is the Student quantile at α/(4·n·N) (Bonferroni again).
 
-use crate::quantile::{largest_of_process, normal, student};
 use super::{Confidence, Over};
+use crate::quantile::{largest_of_process, normal, student};
 use crate::robot::spec::Residual;
 use crate::tolerance::MIXTURE_RESERVE;
 

@@ -122,13 +122,16 @@ impl Default for Encoder {
     }
 }
 
+/// Period of the control loop where none is given, s: what most drives' buses run at.
+const CONTROL_PERIOD: f64 = 1.0e-3;
+
 impl RehearsalRequest {
     /// A rehearsal at 1 kHz on an arm that is as its model says.
     #[must_use]
     pub fn new(motion: Motion) -> Self {
         Self {
             motion,
-            period: 1.0e-3,
+            period: CONTROL_PERIOD,
             settle: 0.0,
             friction: Vec::new(),
             true_payload: None,
