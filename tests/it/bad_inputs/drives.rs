@@ -230,7 +230,7 @@ fn rehearsals() -> Vec<Row> {
                 motor_step: Some(2.0),
                 ..Default::default()
             },
-            &["encoders[0].motor_step", "…"],
+            &["encoders[0].motor_step"],
         ),
         encoder(
             "an encoder with noise below 0",
