@@ -23,6 +23,10 @@ use takt_motion::robot::description::{Description, Kinematics};
 
 const PATHS: usize = 20;
 
+/// What the server is built with: the timing asks for large pieces of memory.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 /// Times that each path is timed; the fastest counts.
 const REPEATS: usize = 12;
 

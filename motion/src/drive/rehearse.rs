@@ -12,7 +12,7 @@ mod run;
 mod sums;
 
 use self::outcome::{Rehearsal, RehearsalOutcome};
-use self::request::{Motion, RehearsalRequest};
+use self::request::{FrictionTruth, Motion, RehearsalRequest};
 use super::controller::{Adaptation, Controller, default_gains};
 use super::feedforward::{FeedForward, Joint, feed_forward};
 use super::reference::{NoMotion, Reference};
@@ -81,7 +81,7 @@ pub fn rehearse(robot: &Robot, request: &RehearsalRequest, budget: &Budget<'_>) 
         planned_torque: largest_torques(&planned),
         plain: rehearsed.run(&plain, budget)?,
         adapted: rehearsed.run(&adapted, budget)?,
-        warnings: warnings(robot, &joints, reference.warnings),
+        warnings: warnings(robot, request, &joints, reference.warnings),
     })))
 }
 
@@ -104,7 +104,16 @@ fn largest_torques(planned: &FeedForward) -> Vec<f64> {
     largest
 }
 
-fn warnings(robot: &Robot, joints: &[Joint], mut warnings: Vec<String>) -> Vec<String> {
+fn warnings(robot: &Robot, request: &RehearsalRequest, joints: &[Joint], mut warnings: Vec<String>) -> Vec<String> {
+    for (spec, truth) in robot.spec().joints.iter().zip(&request.friction) {
+        let drive = &spec.drive;
+        if *truth != FrictionTruth::default() && drive.motor_friction.is_zero() && drive.joint_friction.is_zero() {
+            let name = &spec.name;
+            warnings.push(format!(
+                "the model of joint {name:?} has no friction: scaling it changes nothing"
+            ));
+        }
+    }
     for (spec, joint) in robot.spec().joints.iter().zip(joints) {
         if !spec.drive.stiffness.is_empty() && joint.transmission.is_none() {
             let name = &spec.name;
