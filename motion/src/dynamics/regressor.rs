@@ -9,7 +9,7 @@
 //! quadratic. The payload has the link's ten, about the tip link's frame.
 //!
 //! With ω, ω̇ the turning of link j and a the acceleration of its origin less gravity, all in its own frame, the link asks the
-//! force f = m·a + Ω·(m·c) and, about its origin, the moment n = (m·c) × a + I·ω̇ + ω × I·ω, with Ω = [ω̇]× + [ω]×[ω]×. A unit
+//! force f = m·a + Ω·(m·c) and, about its origin, the moment n = (m·c) × a + I·ω̇ + ω × I·ω, with Ω = S(ω̇) + S(ω)·S(ω), S(ω)·x = ω × x. A unit
 //! motion of joint i turns link j by ζ and moves its origin by λ, so by the principle of virtual work τᵢ = λ·f + ζ·n: every
 //! coefficient is a product of a, ω, ω̇ with λ and ζ (W. Khalil, E. Dombre, "Modeling, Identification and Control of Robots", 2002, §9.4).
 //!

@@ -1,7 +1,7 @@
 //! How well a model says the torque of a motion, and how true its stated intervals are.
 //!
 //! The interval of 95 % at a sample is that of Student's distribution with the variance φᵀ·Σ·φ + s² (φ: derivatives of the torque by the
-//! fitted parameters, Σ: their covariance, s: deviation of the residual). Below [`REST_SPEED`] friction may be anything between its two
+//! fitted parameters, Σ: their covariance, s: deviation of the residual). Below `REST_SPEED` friction may be anything between its two
 //! directions, and the interval is wider by the Coulomb torque.
 
 use super::design::Design;

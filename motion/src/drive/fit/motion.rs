@@ -4,13 +4,13 @@
 //! τ = Y(q, q̇, q̈)·π + friction          linear in all parameters but the deflection before sliding
 //! ```
 //!
-//! 1. Signals in one band ([`super::signals`]), columns of the unknowns ([`super::design`]), whether they say enough ([`super::excitation`]).
+//! 1. Signals in one band (`super::signals`), columns of the unknowns (`super::design`), whether they say enough (`super::excitation`).
 //! 2. The noise of each joint: what its own columns alone cannot explain. Its inverse square is the joint's weight, over the
 //!    number of samples that are alike, so that the prior meets as many independent samples as there are.
-//! 3. Deflections before sliding ([`super::deflect`]), one joint after the other, bodies in between.
-//! 4. The ridge by cross-validation ([`super::validate`]), the solution, weights from its residuals, and once more.
+//! 3. Deflections before sliding (`super::deflect`), one joint after the other, bodies in between.
+//! 4. The ridge by cross-validation (`super::validate`), the solution, weights from its residuals, and once more.
 //! 5. The noise that is stated: the likeliest one for errors on stretches that were left out, beside the covariance of the
-//!    parameters there ([`super::student`]). The covariance is the inverse of all second derivatives at the solution.
+//!    parameters there (`super::student`). The covariance is the inverse of all second derivatives at the solution.
 
 use super::design::Design;
 use super::excitation::{check_motion, check_rank};
