@@ -19,7 +19,6 @@ pub mod controller;
 mod encoder;
 pub mod estimate;
 pub mod feedforward;
-#[allow(dead_code, reason = "the calibration under construction")]
 pub mod fit;
 mod gains;
 mod integrator;
