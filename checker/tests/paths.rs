@@ -190,6 +190,19 @@ fn claims_that_are_too_good_are_found() {
     }
 }
 
+/// Set-points less than a microsecond before a stop without dwell, where one joint is slower than can be told, or all of
+/// them are (3682, 7489, 7626); a stop braked without acceleration limits, at a drive's period (6853).
+#[test]
+fn set_points_next_to_a_stop_say_which_way_every_joint_moves() {
+    let robots = robots::all();
+    for seed in [3682, 6853, 7489, 7626] {
+        let trial = programs::of_seed(&robots, seed, programs::FINE);
+        let plan = plan(trial.example, &trial.request).expect("it can be run");
+        let report = recheck(&trial, &plan);
+        assert!(report.holds(), "seed {seed}: {:#?}", report.faults);
+    }
+}
+
 /// A blend of a joint move over 0.9 m into a line of 1.6 mm: accelerations of a millisecond within an interval of the
 /// timing that takes ten, once seen by nobody.
 #[test]

@@ -13,7 +13,8 @@
 //! has no room in a step to bend further. So what the step leaves open shrinks with it, and with the jumps, down to what
 //! a timing without jerk limits may do in a part of a step, where two of its nodes are close. At a drive's
 //! period the acceleration may do anything between two set-points that it does anywhere on the path, and as much again;
-//! before a stop, anything that its limit lets it: the set-point there has the acceleration just after.
+//! before a stop, anything that its limit lets it, and in the step that ends there anything if it has none: the set-point
+//! there has the acceleration just after.
 
 use super::report::{FaultKind, PathReport};
 use super::{Case, Density};
@@ -32,16 +33,22 @@ pub(super) fn check(case: &Case<'_>, report: &mut PathReport) {
             Some(jerk) => step * jerk,
             None => tolerance::BLIP * (everywhere[1] - everywhere[0]),
         };
-        let most = case
+        let limits: Vec<Option<f64>> = case
             .bounds
             .iter()
-            .filter_map(|bounds| bounds.joints[joint].acceleration);
-        let most = most.fold(0.0, f64::max);
+            .map(|bounds| bounds.joints[joint].acceleration)
+            .collect();
+        let most = limits.iter().flatten().copied().fold(0.0, f64::max);
+        let unlimited = limits.contains(&None);
         for next in 1..times.len() {
             let bounds = match case.density {
                 Density::Coarse => {
                     let apart = everywhere[1] - everywhere[0];
-                    let most = if stops(case, next) { most } else { 0.0 };
+                    let most = match (stops(case, next - 1), stops(case, next)) {
+                        (_, false) => 0.0,
+                        (false, true) if unlimited => f64::INFINITY,
+                        _ => most,
+                    };
                     [(everywhere[0] - apart).min(-most), (everywhere[1] + apart).max(most)]
                 }
                 Density::Resolving => {

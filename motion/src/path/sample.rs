@@ -121,7 +121,8 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    /// Sets the state at a time, and says where it is. A time that a rounding separates from a stop is the stop's.
+    /// Sets the state at a time, and says where it is. A time or a place that a rounding separates from a stop is the
+    /// stop's.
     pub(super) fn set(&mut self, time: f64) -> Location {
         let slack = SAMPLE_AT_STOP * self.runs.last().map_or(0.0, TimedRun::end);
         let after = self.runs.partition_point(|run| run.begin <= time + slack);
@@ -137,7 +138,11 @@ impl<'a> Sampler<'a> {
         if time + slack < run.end() || (last && !run.ends_at_rest) {
             let since = (time - run.begin).clamp(0.0, run.law.duration());
             self.state.set(run.run.as_ref(), &run.law, since, Side::After);
-            return run.run.location(self.state.s);
+            let s = self.state.s;
+            if run.ends_at_rest && s > 0.0 && s >= run.run.length() {
+                self.set(run.end());
+            }
+            return run.run.location(s);
         }
         self.state.rest_at(rest);
         run.run.location(run.run.length())

@@ -78,11 +78,11 @@ impl State {
         if at_end || (near_end && rate * duration <= PATH_AT_REST * length) {
             curve.evaluate(self.s.clamp(inside, length - inside), side, &mut self.point);
             self.direction.copy_from_slice(&self.point.first);
-            // rest, of which a path that is timed already leaves the rounding of its derivatives
-            for velocity in &mut self.velocity {
-                if velocity.abs() * duration <= TRAVEL_MIN {
-                    *velocity = 0.0;
-                }
+            // rest, of which a path that is timed already leaves the rounding of its derivatives; elsewhere a joint still moves,
+            // and what is left of its velocity says which way
+            let rests = |velocity: &f64| velocity.abs() * duration <= TRAVEL_MIN;
+            if at_end && self.velocity.iter().all(rests) {
+                self.velocity.fill(0.0);
             }
             return;
         }

@@ -120,3 +120,16 @@ fn an_arm_at_rest_moves_nowhere() {
         (0.3, 0.0, 0.0)
     );
 }
+
+#[test]
+fn a_joint_slower_than_the_others_has_a_velocity_until_all_rest() {
+    let curve = Polynomials(vec![[0.0, 1e-6, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]]);
+    for law in laws() {
+        let mut state = State::new(2);
+        let before = law.duration() * (1.0 - 3e-5);
+        state.set(&curve, &law, before, Side::After);
+        assert!(state.velocity.iter().all(|velocity| *velocity > 0.0), "{state:?}");
+        state.set(&curve, &law, law.duration(), Side::Before);
+        assert_eq!(state.velocity, [0.0, 0.0]);
+    }
+}
