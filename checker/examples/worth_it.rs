@@ -24,7 +24,7 @@ use takt_checker::{Arm, Bounds, Workspace};
 use takt_motion::budget::Budget;
 use takt_motion::plan::outcome::{MoveOutcome, MovePlan};
 use takt_motion::plan::plan_move;
-use takt_motion::plan::request::{Method, MoveRequest, Sampling};
+use takt_motion::plan::request::{Method, MoveRequest};
 use takt_motion::robot::spec::RobotSpec;
 
 /// Intervals of the optimum's grid.
@@ -77,16 +77,8 @@ fn request(example: &Example, reach: f64, draw: &mut Draw) -> MoveRequest {
         .collect();
     let mass = draw.between(0.0, example.payload_max);
     MoveRequest {
-        start,
-        target,
-        target_velocity: None,
         payload: Some(payloads::ball(mass, Vector3::new(0.0, 0.0, 0.05))),
-        limits: Vec::new(),
-        torque_utilization: 1.0,
-        speed_scale: 1.0,
-        method: Method::Verified,
-        sampling: Sampling::None,
-        cycle_time: None,
+        ..MoveRequest::new(start, target)
     }
 }
 

@@ -5,9 +5,7 @@ mod constant;
 mod shapes;
 
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
-use takt_motion::path::request::{
-    Blend, Extent, OnExcess, PathRequest, Segment, Shape, Space, Timing, ToolLimits, Transition, Weight,
-};
+use takt_motion::path::request::{Blend, Extent, PathRequest, Segment, Shape, Space, ToolLimits, Weight};
 use takt_motion::plan::request::{LimitOverride, Sampling};
 use takt_motion::robot::spec::{Inertial, JointSpec, RobotSpec};
 
@@ -69,8 +67,6 @@ pub fn program(draw: &mut Draw, cell: &Cell<'_>) -> PathRequest {
     }
     let payload = ball(draw.between(0.0, cell.payload_max), draw::vector(draw, 0.05));
     PathRequest {
-        start,
-        segments,
         payload: (!one_in(draw, 4)).then_some(payload),
         tcp,
         limits: limits(draw, cell),
@@ -83,14 +79,8 @@ pub fn program(draw: &mut Draw, cell: &Cell<'_>) -> PathRequest {
         acceleration_scale: part(draw, 0.2),
         jerk_scale: part(draw, 0.2),
         limit_jerk: cell.limit_jerk,
-        timing: Timing::Optimal,
-        on_excess: OnExcess::SlowDown,
-        transition: Transition::Smooth,
-        transition_time: None,
-        tolerance: None,
-        start_speed: None,
-        end_speed: None,
         sampling: cell.sampling,
+        ..PathRequest::new(start, segments)
     }
 }
 

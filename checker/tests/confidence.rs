@@ -7,7 +7,7 @@ use takt_checker::motion::{duration, part_at, state_in};
 use takt_motion::budget::Budget;
 use takt_motion::confidence::{Confidence, Over, plan_move};
 use takt_motion::plan::outcome::{MoveOutcome, Pattern};
-use takt_motion::plan::request::{Method, MoveRequest, Sampling};
+use takt_motion::plan::request::MoveRequest;
 use takt_motion::robot::Robot;
 use takt_motion::robot::spec::{Parameter, ParameterKind, Residual, RobotSpec, Uncertainty};
 
@@ -75,18 +75,7 @@ fn uncertain(draw: &mut Draw, joint_count: usize) -> RobotSpec {
 }
 
 fn request(start: Vec<f64>, target: Vec<f64>) -> MoveRequest {
-    MoveRequest {
-        start,
-        target,
-        target_velocity: None,
-        payload: None,
-        limits: Vec::new(),
-        torque_utilization: 1.0,
-        speed_scale: 1.0,
-        method: Method::Verified,
-        sampling: Sampling::None,
-        cycle_time: None,
-    }
+    MoveRequest::new(start, target)
 }
 
 /// The least room that torque and band leave along a move, as part of the limit.

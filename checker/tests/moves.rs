@@ -14,7 +14,7 @@ use takt_checker::{Arm, Bounds, Checker, Grid, Move, Report};
 use takt_motion::budget::Budget;
 use takt_motion::plan::outcome::{Fallback, LimitKind, MoveOutcome, MovePlan, Pattern};
 use takt_motion::plan::plan_move;
-use takt_motion::plan::request::{LimitOverride, Method, MoveRequest, Sampling};
+use takt_motion::plan::request::{LimitOverride, Method, MoveRequest};
 use takt_motion::robot::Robot;
 use takt_motion::robot::spec::{Inertial, RobotSpec};
 
@@ -79,16 +79,12 @@ impl Trial {
             inertia: Matrix3::identity() * 1e-3,
         };
         MoveRequest {
-            start,
-            target,
-            target_velocity: None,
             payload: draw.bits().is_multiple_of(2).then_some(payload),
             limits: draw.bits().is_multiple_of(3).then_some(tightened).into_iter().collect(),
             torque_utilization: draw.between(0.7, 1.0),
             speed_scale: draw.between(0.5, 1.0),
             method,
-            sampling: Sampling::None,
-            cycle_time: None,
+            ..MoveRequest::new(start, target)
         }
     }
 
@@ -263,20 +259,14 @@ fn torque_peaks_just_before_a_switching_time_are_seen() {
         });
         let number = |key: &str| case[key].as_f64().expect("a number");
         let request = MoveRequest {
-            start: arms::numbers(&case["start"]),
-            target: arms::numbers(&case["target"]),
-            target_velocity: None,
             payload: Some(Inertial {
                 mass: number("payload_mass"),
                 center_of_mass: Vector3::from_column_slice(&arms::numbers(&case["payload_center"])),
                 inertia: Matrix3::identity() * 1e-3,
             }),
-            limits: Vec::new(),
             torque_utilization: number("torque_utilization"),
             speed_scale: number("speed_scale"),
-            method: Method::Verified,
-            sampling: Sampling::None,
-            cycle_time: None,
+            ..MoveRequest::new(arms::numbers(&case["start"]), arms::numbers(&case["target"]))
         };
         let bounds = Bounds::of_request(trial.robot.spec(), &request);
         let plan = trial.plan(&request).expect("the move is feasible");

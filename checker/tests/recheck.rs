@@ -6,7 +6,7 @@ use takt_checker::motion::Relation;
 use takt_checker::recheck::LengthMismatch;
 use takt_checker::{Bounds, Grid, Move, Report, recheck};
 use takt_motion::plan::outcome::{Fallback, LimitKind, MovePlan, Pattern, Phase, TorqueMargin};
-use takt_motion::plan::request::{LimitOverride, Method, MoveRequest, Sampling};
+use takt_motion::plan::request::{LimitOverride, Method, MoveRequest};
 use takt_motion::robot::spec::{Drive, Friction, Inertial, JointKind, JointSpec, Limits, RobotSpec};
 
 /// A lift of 10 kg over a lift of 2 kg, in a world where things weigh 10 N a kilogramme, the lower one with friction.
@@ -355,10 +355,7 @@ fn lists_of_wrong_length_are_refused() {
 fn request_puts_its_own_limits_in_force() {
     let spec = two_lifts();
     let request = MoveRequest {
-        start: START.to_vec(),
-        target: TARGET.to_vec(),
         target_velocity: Some(vec![0.8, 3.0]),
-        payload: None,
         limits: vec![LimitOverride {
             joint: "upper".to_owned(),
             position_upper: Some(1.5),
@@ -368,9 +365,7 @@ fn request_puts_its_own_limits_in_force() {
         }],
         torque_utilization: 0.5,
         speed_scale: 0.5,
-        method: Method::Verified,
-        sampling: Sampling::None,
-        cycle_time: None,
+        ..MoveRequest::new(START.to_vec(), TARGET.to_vec())
     };
     let bounds = Bounds::of_request(&spec, &request);
     let lower = Bounds {

@@ -78,19 +78,12 @@ fn main() {
 fn ur5e() -> Robot {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/vectors/robots/ur5e/ur5e.urdf");
     let description = Description {
-        kinematics: Kinematics::Urdf {
+        gravity: Some([0.0, 0.0, -9.81].into()),
+        ..Description::new(Kinematics::Urdf {
             text: std::fs::read_to_string(file).expect("the repository has the file"),
             base_link: None,
             tip_link: Some("tool0".to_owned()),
-        },
-        joints: Vec::new(),
-        gravity: Some([0.0, 0.0, -9.81].into()),
-        payload: None,
-        tcp: None,
-        frames: Vec::new(),
-        use_urdf_dynamics: false,
-        link_inertia: Vec::new(),
-        uncertainty: None,
+        })
     };
     let mut resolved = description.resolve().expect("the arm is sound");
     for joint in &mut resolved.spec.joints {

@@ -22,7 +22,7 @@ use takt_motion::kinematics::pose;
 use takt_motion::nalgebra::Isometry3;
 use takt_motion::plan::outcome::MoveOutcome;
 use takt_motion::plan::plan_move;
-use takt_motion::plan::request::{Method, MoveRequest, Sampling};
+use takt_motion::plan::request::MoveRequest;
 use takt_motion::robot::Robot;
 use takt_motion::robot::description::{Description, Kinematics};
 
@@ -57,19 +57,12 @@ fn read(arm: &str) -> Robot {
     let oracle: Value = serde_json::from_str(&text("oracle.json")).expect("the file is JSON");
     let link = |key: &str| oracle[key].as_str().map(str::to_owned);
     let description = Description {
-        kinematics: Kinematics::Urdf {
+        gravity: Some([0.0, 0.0, -9.81].into()),
+        ..Description::new(Kinematics::Urdf {
             text: text(&format!("{arm}.urdf")),
             base_link: link("root_link"),
             tip_link: link("tip_link"),
-        },
-        joints: Vec::new(),
-        gravity: Some([0.0, 0.0, -9.81].into()),
-        payload: None,
-        tcp: None,
-        frames: Vec::new(),
-        use_urdf_dynamics: false,
-        link_inertia: Vec::new(),
-        uncertainty: None,
+        })
     };
     let resolved = description.resolve().expect("the arm is sound");
     Robot::new(resolved.spec, resolved.warnings).expect("the arm is sound")
@@ -191,18 +184,7 @@ fn request(robot: &Robot, reach: f64, draw: &mut Draw) -> MoveRequest {
             draw.between(low.max(start - reach), high.min(start + reach))
         })
         .collect();
-    MoveRequest {
-        start,
-        target,
-        target_velocity: None,
-        payload: None,
-        limits: Vec::new(),
-        torque_utilization: 1.0,
-        speed_scale: 1.0,
-        method: Method::Verified,
-        sampling: Sampling::None,
-        cycle_time: None,
-    }
+    MoveRequest::new(start, target)
 }
 
 fn print(name: &str, mut times: Vec<f64>) {

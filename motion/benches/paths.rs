@@ -19,10 +19,8 @@ use std::time::Instant;
 use takt_motion::budget::Budget;
 use takt_motion::path::outcome::PathOutcome;
 use takt_motion::path::plan_path;
-use takt_motion::path::request::{
-    Blend, Extent, OnExcess, PathRequest, Segment, Shape, Space, Target, Timing, ToolLimits, Transition, Weight,
-};
-use takt_motion::plan::request::{LimitOverride, Sampling};
+use takt_motion::path::request::{Blend, Extent, PathRequest, Segment, Shape, Space, Target, ToolLimits, Weight};
+use takt_motion::plan::request::LimitOverride;
 use takt_motion::robot::Robot;
 use takt_motion::robot::description::{Description, Kinematics};
 
@@ -78,21 +76,11 @@ fn time(robot: &Robot, request: &PathRequest) -> Option<f64> {
 
 fn ur5e() -> Robot {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/vectors/robots/ur5e/ur5e.urdf");
-    let description = Description {
-        kinematics: Kinematics::Urdf {
-            text: std::fs::read_to_string(file).expect("the repository has the file"),
-            base_link: None,
-            tip_link: Some("tool0".to_owned()),
-        },
-        joints: Vec::new(),
-        gravity: None,
-        payload: None,
-        tcp: None,
-        frames: Vec::new(),
-        use_urdf_dynamics: false,
-        link_inertia: Vec::new(),
-        uncertainty: None,
-    };
+    let description = Description::new(Kinematics::Urdf {
+        text: std::fs::read_to_string(file).expect("the repository has the file"),
+        base_link: None,
+        tip_link: Some("tool0".to_owned()),
+    });
     let resolved = description.resolve().expect("the description is sound");
     Robot::new(resolved.spec, resolved.warnings).expect("the arm is sound")
 }
@@ -113,18 +101,14 @@ fn program(robot: &Robot, seed: u64, limit: bool) -> PathRequest {
     let segments = (0..5).map(|_| {
         at = at.iter().map(|q| (q + draw(1.2)).clamp(-2.8, 2.8)).collect();
         Segment {
-            shape: Shape::Joint {
-                target: Target::Joints(at.clone()),
-            },
             blend: Some(Blend {
                 extent: Extent::Fraction(0.4),
                 space: Space::Joint,
                 weight: Weight::Smoothstep,
             }),
-            dwell: 0.0,
-            limits: Vec::new(),
-            tool_limits: ToolLimits::default(),
-            tool_speed: None,
+            ..Segment::new(Shape::Joint {
+                target: Target::Joints(at.clone()),
+            })
         }
     });
     let mut segments: Vec<Segment> = segments.collect();
@@ -139,27 +123,11 @@ fn program(robot: &Robot, seed: u64, limit: bool) -> PathRequest {
         ..LimitOverride::default()
     });
     PathRequest {
-        start,
-        segments,
-        payload: None,
-        tcp: None,
         limits: limits.collect(),
         tool_limits: ToolLimits {
             velocity: limit.then_some(1.5),
             acceleration: limit.then_some(12.0),
         },
-        torque_utilization: 1.0,
-        speed_scale: 1.0,
-        acceleration_scale: 1.0,
-        jerk_scale: 1.0,
-        limit_jerk: true,
-        timing: Timing::Optimal,
-        on_excess: OnExcess::SlowDown,
-        transition: Transition::Smooth,
-        transition_time: None,
-        tolerance: None,
-        start_speed: None,
-        end_speed: None,
-        sampling: Sampling::None,
+        ..PathRequest::new(start, segments)
     }
 }

@@ -128,19 +128,12 @@ fn read(arm: &str) -> Robot {
     let oracle: Value = serde_json::from_str(&text("oracle.json")).expect("the file is JSON");
     let link = |key: &str| oracle[key].as_str().map(str::to_owned);
     let description = Description {
-        kinematics: Kinematics::Urdf {
+        gravity: Some([0.0, 0.0, -9.81].into()),
+        ..Description::new(Kinematics::Urdf {
             text: text(&format!("{arm}.urdf")),
             base_link: link("root_link"),
             tip_link: link("tip_link"),
-        },
-        joints: Vec::new(),
-        gravity: Some([0.0, 0.0, -9.81].into()),
-        payload: None,
-        tcp: None,
-        frames: Vec::new(),
-        use_urdf_dynamics: false,
-        link_inertia: Vec::new(),
-        uncertainty: None,
+        })
     };
     let resolved = description.resolve().expect("the arm is sound");
     Robot::new(resolved.spec, resolved.warnings).expect("the arm is sound")

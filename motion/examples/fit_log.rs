@@ -133,21 +133,11 @@ impl Options {
     }
 
     fn robot(&self, text: &str) -> Fallible<Robot> {
-        let description = Description {
-            kinematics: Kinematics::Urdf {
-                text: text.to_owned(),
-                base_link: None,
-                tip_link: self.tip.clone(),
-            },
-            joints: Vec::new(),
-            gravity: None,
-            payload: None,
-            tcp: None,
-            frames: Vec::new(),
-            use_urdf_dynamics: false,
-            link_inertia: Vec::new(),
-            uncertainty: None,
-        };
+        let description = Description::new(Kinematics::Urdf {
+            text: text.to_owned(),
+            base_link: None,
+            tip_link: self.tip.clone(),
+        });
         let mut resolved = description.resolve().map_err(|faults| format!("{faults:?}"))?;
         for (joint, of) in resolved.spec.joints.iter_mut().enumerate() {
             if let Some(peak) = self.peak.get(joint) {

@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 
-use crate::plan::request::{Method, MoveRequest, Sampling};
+use crate::plan::request::MoveRequest;
 use crate::robot::Robot;
 use crate::robot::spec::{Drive, Friction, Inertial, JointKind, JointSpec, Limits, RobotSpec};
 
@@ -117,18 +117,7 @@ pub(crate) fn robot(spec: RobotSpec) -> Robot {
 
 /// A request with every default.
 pub(crate) fn request(start: &[f64], target: &[f64]) -> MoveRequest {
-    MoveRequest {
-        start: start.to_vec(),
-        target: target.to_vec(),
-        target_velocity: None,
-        payload: None,
-        limits: Vec::new(),
-        torque_utilization: 1.0,
-        speed_scale: 1.0,
-        method: Method::Verified,
-        sampling: Sampling::None,
-        cycle_time: None,
-    }
+    MoveRequest::new(start.to_vec(), target.to_vec())
 }
 
 fn joint(name: &str, kind: JointKind, placement: Isometry3<f64>, link: Inertial, torque: f64, speed: f64) -> JointSpec {

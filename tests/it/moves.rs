@@ -250,20 +250,15 @@ impl Found {
     fn check(&self) {
         let trial = Trial::of(self.robot, 0, 0.0);
         let request = MoveRequest {
-            start: self.start.to_vec(),
-            target: self.target.to_vec(),
-            target_velocity: None,
             payload: Some(Inertial {
                 mass: self.payload_kg,
                 center_of_mass: self.payload_center.into(),
                 inertia: Matrix3::identity() * (1e-3 * self.payload_kg),
             }),
-            limits: Vec::new(),
             torque_utilization: self.torque_utilization,
             speed_scale: self.speed_scale,
             method: self.method,
-            sampling: Sampling::None,
-            cycle_time: None,
+            ..MoveRequest::new(self.start.to_vec(), self.target.to_vec())
         };
         let outcome = plan_move(&trial.robot, &request, &Budget::unlimited());
         match outcome.expect("the request is right") {

@@ -1,6 +1,6 @@
 //! Random programs at constant tool speed: lines and arcs, now and then a stop within them.
 
-use takt_motion::path::request::{OnExcess, PathRequest, Segment, Timing, ToolLimits, Transition};
+use takt_motion::path::request::{PathRequest, Segment, Timing, ToolLimits};
 
 use super::shapes::Hand;
 use super::{Cell, ball, limits, one_in, part, small_pose, tool_limits};
@@ -22,12 +22,9 @@ pub fn at_constant_speed(draw: &mut Draw, cell: &Cell<'_>) -> PathRequest {
             false => 0.0,
         };
         segments.push(Segment {
-            shape: hand.tool_shape(draw),
-            blend: None,
             dwell,
-            limits: Vec::new(),
-            tool_limits: ToolLimits::default(),
             tool_speed: Some(speed),
+            ..Segment::new(hand.tool_shape(draw))
         });
         // only after a stop may it be another
         if dwell > 0.0 {
@@ -36,8 +33,6 @@ pub fn at_constant_speed(draw: &mut Draw, cell: &Cell<'_>) -> PathRequest {
     }
     let payload = ball(draw.between(0.0, cell.payload_max), draw::vector(draw, 0.05));
     PathRequest {
-        start,
-        segments,
         payload: (!one_in(draw, 4)).then_some(payload),
         tcp,
         limits: limits(draw, cell),
@@ -51,12 +46,9 @@ pub fn at_constant_speed(draw: &mut Draw, cell: &Cell<'_>) -> PathRequest {
         jerk_scale: part(draw, 0.2),
         limit_jerk: cell.limit_jerk,
         timing: Timing::ConstantSpeed,
-        on_excess: OnExcess::SlowDown,
-        transition: Transition::Smooth,
         transition_time: one_in(draw, 2).then(|| draw.between(0.02, 0.1)),
         tolerance: one_in(draw, 4).then(|| draw.between(1e-4, 5e-3)),
-        start_speed: None,
-        end_speed: None,
         sampling: cell.sampling,
+        ..PathRequest::new(start, segments)
     }
 }

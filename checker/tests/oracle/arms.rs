@@ -52,15 +52,9 @@ pub(crate) fn puma_from_urdf() -> Case {
 
 fn resolved(kinematics: Kinematics, joints: Vec<JointEntry>, oracle: Value) -> Case {
     let description = Description {
-        kinematics,
         joints,
         gravity: Some(vector(&oracle["gravity"])),
-        payload: None,
-        tcp: None,
-        frames: Vec::new(),
-        use_urdf_dynamics: false,
-        link_inertia: Vec::new(),
-        uncertainty: None,
+        ..Description::new(kinematics)
     };
     let spec = description
         .resolve()

@@ -8,7 +8,7 @@ use takt_checker::{Density, recheck_path};
 use takt_motion::path::outcome::{
     LimitCost, LimitingStretch, Location, PathLimit, PathLimitUse, PathPlan, PathSetpoints, SegmentReport,
 };
-use takt_motion::path::request::{OnExcess, PathRequest, Segment, Shape, Target, Timing, ToolLimits, Transition};
+use takt_motion::path::request::{PathRequest, Segment, Shape, Target, ToolLimits};
 use takt_motion::plan::outcome::{JointColumns, Phase, Setpoints, TorqueMargin};
 use takt_motion::plan::request::Sampling;
 use takt_motion::robot::spec::{Drive, Friction, Inertial, JointKind, JointSpec, Limits, RobotSpec};
@@ -74,40 +74,23 @@ impl Lifts {
 
     pub(crate) fn sampled(sampling: Sampling) -> Self {
         let segment = |target: [f64; 2], dwell| Segment {
-            shape: Shape::Joint {
-                target: Target::Joints(target.to_vec()),
-            },
-            blend: None,
             dwell,
-            limits: Vec::new(),
-            tool_limits: ToolLimits::default(),
-            tool_speed: None,
+            ..Segment::new(Shape::Joint {
+                target: Target::Joints(target.to_vec()),
+            })
         };
         Self {
             spec: spec(),
             request: PathRequest {
-                start: STOPS[0].to_vec(),
-                segments: vec![segment(STOPS[1], DWELL), segment(STOPS[2], 0.0)],
-                payload: None,
-                tcp: None,
-                limits: Vec::new(),
                 tool_limits: ToolLimits {
                     velocity: Some(1.5),
                     acceleration: Some(2.5),
                 },
-                torque_utilization: 1.0,
-                speed_scale: 1.0,
-                acceleration_scale: 1.0,
-                jerk_scale: 1.0,
-                limit_jerk: true,
-                timing: Timing::Optimal,
-                on_excess: OnExcess::SlowDown,
-                transition: Transition::Smooth,
-                transition_time: None,
-                tolerance: None,
-                start_speed: None,
-                end_speed: None,
                 sampling,
+                ..PathRequest::new(
+                    STOPS[0].to_vec(),
+                    vec![segment(STOPS[1], DWELL), segment(STOPS[2], 0.0)],
+                )
             },
             hurry: 1.0,
             law: Law::Quintic,

@@ -5,8 +5,8 @@ use std::path::Path;
 use serde_json::Value;
 use takt_motion::drive::rehearse::request::Motion;
 use takt_motion::nalgebra::Matrix3;
-use takt_motion::path::request::{OnExcess, PathRequest, Segment, Shape, Target, Timing, ToolLimits, Transition};
-use takt_motion::plan::request::{LimitOverride, Sampling};
+use takt_motion::path::request::{PathRequest, Segment, Shape, Target};
+use takt_motion::plan::request::LimitOverride;
 use takt_motion::robot::Robot;
 use takt_motion::robot::description::{Description, Kinematics};
 use takt_motion::robot::spec::{Friction, Inertial, JointSpec};
@@ -121,19 +121,12 @@ fn arm(name: &'static str, assumed: &[Assumed], start: &[f64], way: &[f64]) -> A
     let oracle: Value = serde_json::from_str(&text("oracle.json")).expect("the file is JSON");
     let link = |key: &str| oracle[key].as_str().map(str::to_owned);
     let description = Description {
-        kinematics: Kinematics::Urdf {
+        gravity: Some([0.0, 0.0, -9.81].into()),
+        ..Description::new(Kinematics::Urdf {
             text: text(&format!("{name}.urdf")),
             base_link: link("root_link"),
             tip_link: link("tip_link"),
-        },
-        joints: Vec::new(),
-        gravity: Some([0.0, 0.0, -9.81].into()),
-        payload: None,
-        tcp: None,
-        frames: Vec::new(),
-        use_urdf_dynamics: false,
-        link_inertia: Vec::new(),
-        uncertainty: None,
+        })
     };
     let resolved = description.resolve().expect("the arm is sound");
     let mut spec = resolved.spec;
@@ -212,15 +205,10 @@ fn corke(joints: &mut [JointSpec]) {
 /// There, part of the way back, and there again: joints turn round twice. The jerk is limited, so that transmissions can follow.
 fn program(names: &[String], start: &[f64], way: &[f64]) -> PathRequest {
     let at = |part: f64| -> Vec<f64> { start.iter().zip(way).map(|(q, way)| q + part * way).collect() };
-    let to = |part: f64| Segment {
-        shape: Shape::Joint {
+    let to = |part: f64| {
+        Segment::new(Shape::Joint {
             target: Target::Joints(at(part)),
-        },
-        blend: None,
-        dwell: 0.0,
-        limits: Vec::new(),
-        tool_limits: ToolLimits::default(),
-        tool_speed: None,
+        })
     };
     let limits = names.iter().map(|name| LimitOverride {
         joint: name.clone(),
@@ -230,24 +218,8 @@ fn program(names: &[String], start: &[f64], way: &[f64]) -> PathRequest {
         ..LimitOverride::default()
     });
     PathRequest {
-        start: start.to_vec(),
-        segments: vec![to(1.0), to(0.4), to(0.9)],
-        payload: None,
-        tcp: None,
         limits: limits.collect(),
-        tool_limits: ToolLimits::default(),
         torque_utilization: 0.7,
-        speed_scale: 1.0,
-        acceleration_scale: 1.0,
-        jerk_scale: 1.0,
-        limit_jerk: true,
-        timing: Timing::Optimal,
-        on_excess: OnExcess::SlowDown,
-        transition: Transition::Smooth,
-        transition_time: None,
-        tolerance: None,
-        start_speed: None,
-        end_speed: None,
-        sampling: Sampling::None,
+        ..PathRequest::new(start.to_vec(), vec![to(1.0), to(0.4), to(0.9)])
     }
 }

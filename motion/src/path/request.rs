@@ -48,6 +48,34 @@ pub struct PathRequest {
     pub sampling: Sampling,
 }
 
+impl PathRequest {
+    /// A program from rest to rest with all that the arm has, as fast as that allows, without samples.
+    #[must_use]
+    pub fn new(start: Vec<f64>, segments: Vec<Segment>) -> Self {
+        Self {
+            start,
+            segments,
+            payload: None,
+            tcp: None,
+            limits: Vec::new(),
+            tool_limits: ToolLimits::default(),
+            torque_utilization: 1.0,
+            speed_scale: 1.0,
+            acceleration_scale: 1.0,
+            jerk_scale: 1.0,
+            limit_jerk: true,
+            timing: Timing::Optimal,
+            on_excess: OnExcess::SlowDown,
+            transition: Transition::Smooth,
+            transition_time: None,
+            tolerance: None,
+            start_speed: None,
+            end_speed: None,
+            sampling: Sampling::None,
+        }
+    }
+}
+
 /// Limits of the tool centre point.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ToolLimits {
@@ -99,6 +127,21 @@ pub struct Segment {
     pub tool_limits: ToolLimits,
     /// Tool speed at constant speed, m/s; bounds the tool speed under optimal timing.
     pub tool_speed: Option<f64>,
+}
+
+impl Segment {
+    /// A shape that ends in an exact stop.
+    #[must_use]
+    pub fn new(shape: Shape) -> Self {
+        Self {
+            shape,
+            blend: None,
+            dwell: 0.0,
+            limits: Vec::new(),
+            tool_limits: ToolLimits::default(),
+            tool_speed: None,
+        }
+    }
 }
 
 /// The geometry of a segment.

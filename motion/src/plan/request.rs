@@ -27,6 +27,25 @@ pub struct MoveRequest {
     pub cycle_time: Option<f64>,
 }
 
+impl MoveRequest {
+    /// A move with all that the arm has, without samples.
+    #[must_use]
+    pub fn new(start: Vec<f64>, target: Vec<f64>) -> Self {
+        Self {
+            start,
+            target,
+            target_velocity: None,
+            payload: None,
+            limits: Vec::new(),
+            torque_utilization: 1.0,
+            speed_scale: 1.0,
+            method: Method::Verified,
+            sampling: Sampling::None,
+            cycle_time: None,
+        }
+    }
+}
+
 /// How a move is planned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {

@@ -28,6 +28,24 @@ pub struct Description {
     pub uncertainty: Option<UncertaintyEntry>,
 }
 
+impl Description {
+    /// A chain of which nothing else is said: its own limits and bodies, standard gravity, no drives.
+    #[must_use]
+    pub fn new(kinematics: Kinematics) -> Self {
+        Self {
+            kinematics,
+            joints: Vec::new(),
+            gravity: None,
+            payload: None,
+            tcp: None,
+            frames: Vec::new(),
+            use_urdf_dynamics: false,
+            link_inertia: Vec::new(),
+            uncertainty: None,
+        }
+    }
+}
+
 /// Everything that moves with a joint and before the next one, in the place of what the chain says of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinkEntry {

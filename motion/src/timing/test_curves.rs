@@ -136,19 +136,12 @@ fn from_urdf(text: &str, oracle: &str) -> Robot {
     let oracle: serde_json::Value = serde_json::from_str(oracle).unwrap();
     let link = |key: &str| oracle[key].as_str().map(str::to_owned);
     let description = Description {
-        kinematics: Kinematics::Urdf {
+        gravity: Some([0.0, 0.0, -9.81].into()),
+        ..Description::new(Kinematics::Urdf {
             text: text.to_owned(),
             base_link: link("root_link"),
             tip_link: link("tip_link"),
-        },
-        joints: Vec::new(),
-        gravity: Some([0.0, 0.0, -9.81].into()),
-        payload: None,
-        tcp: None,
-        frames: Vec::new(),
-        use_urdf_dynamics: false,
-        link_inertia: Vec::new(),
-        uncertainty: None,
+        })
     };
     let resolved = description.resolve().unwrap();
     Robot::new(resolved.spec, resolved.warnings).unwrap()

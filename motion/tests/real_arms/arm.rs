@@ -36,27 +36,12 @@ pub(crate) fn json(path: &str) -> Value {
     serde_json::from_str(&text(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
-/// A description of nothing but kinematics.
-pub(crate) fn bare(kinematics: Kinematics) -> Description {
-    Description {
-        kinematics,
-        joints: Vec::new(),
-        gravity: None,
-        payload: None,
-        tcp: None,
-        frames: Vec::new(),
-        use_urdf_dynamics: false,
-        link_inertia: Vec::new(),
-        uncertainty: None,
-    }
-}
-
 impl Arm {
     /// The chain that the oracle file names, from a URDF.
     pub(crate) fn urdf(folder: &str, urdf: &str, oracle: &str) -> Self {
         let oracle = json(&format!("tests/vectors/robots/{folder}/{oracle}"));
         let link = |key: &str| oracle[key].as_str().map(str::to_owned);
-        let description = bare(Kinematics::Urdf {
+        let description = Description::new(Kinematics::Urdf {
             text: text(&format!("tests/vectors/robots/{folder}/{urdf}")),
             base_link: link("root_link"),
             tip_link: link("tip_link"),
@@ -78,7 +63,7 @@ impl Arm {
             base_link: None,
             tip_link: None,
         };
-        Self::described(bare(kinematics), self.oracle)
+        Self::described(Description::new(kinematics), self.oracle)
     }
 
     /// Joint names and limits, and everything below.

@@ -18,18 +18,13 @@ pub(crate) fn description(name: &str) -> Description {
         other => panic!("convention {other:?}"),
     };
     Description {
-        kinematics: Kinematics::Dh {
-            convention,
-            links: array(&file["dh"]["links"]).iter().map(link).collect(),
-        },
         joints: array(&file["joints"]).iter().map(entry).collect(),
-        gravity: None,
         payload: file.get("payload").map(inertial),
         tcp: file.get("tool").map(|tool| pose(&tool["tcp"])),
-        frames: Vec::new(),
-        use_urdf_dynamics: false,
-        link_inertia: Vec::new(),
-        uncertainty: None,
+        ..Description::new(Kinematics::Dh {
+            convention,
+            links: array(&file["dh"]["links"]).iter().map(link).collect(),
+        })
     }
 }
 

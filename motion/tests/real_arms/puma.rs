@@ -4,13 +4,13 @@ use serde_json::Value;
 use takt_motion::nalgebra::{Matrix3, Vector3};
 use takt_motion::robot::description::{Description, DhConvention, DhLink, Kinematics};
 
-use super::arm::{bare, json, numbers};
+use super::arm::{json, numbers};
 
 /// The table as a description.
 pub(crate) fn description() -> Description {
     let file = json("tests/vectors/robots/puma560/puma560.json");
     let links = file["links"].as_array().expect("the file has links");
-    bare(Kinematics::Dh {
+    Description::new(Kinematics::Dh {
         convention: DhConvention::Standard,
         links: links.iter().map(link).collect(),
     })

@@ -18,19 +18,12 @@ const START_VELOCITY: [f64; 6] = [0.5, -0.4, 0.6, 1.0, -0.8, 1.2];
 /// The UR5e with elastic drives; gears of 1:1, so that the motor's side is the joint's.
 fn ur5e(dry: bool) -> RobotSpec {
     let description = Description {
-        kinematics: Kinematics::Urdf {
+        gravity: Some([0.0, 0.0, -9.81].into()),
+        ..Description::new(Kinematics::Urdf {
             text: include_str!("../../../../tests/vectors/robots/ur5e/ur5e.urdf").to_owned(),
             base_link: Some("base_link".to_owned()),
             tip_link: Some("tool0".to_owned()),
-        },
-        joints: Vec::new(),
-        gravity: Some([0.0, 0.0, -9.81].into()),
-        payload: None,
-        tcp: None,
-        frames: Vec::new(),
-        use_urdf_dynamics: false,
-        link_inertia: Vec::new(),
-        uncertainty: None,
+        })
     };
     let mut spec = description.resolve().unwrap().spec;
     let viscous = [[2.0, 3.0, 1.5, 0.4, 0.3, 0.5], [1.0, 0.5, 0.8, 0.2, 0.1, 0.15]];

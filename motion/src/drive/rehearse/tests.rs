@@ -5,8 +5,8 @@ use nalgebra::Vector3;
 use super::outcome::{Rehearsal, RehearsalOutcome, RunEnd};
 use super::request::{Encoder, FrictionTruth, Motion, RehearsalRequest, SetpointMotion, WrenchPulse};
 use super::*;
-use crate::path::request::{OnExcess, PathRequest, Segment, Shape, Target, Timing, ToolLimits, Transition};
-use crate::plan::request::{LimitOverride, Sampling, TrajectoryPoint};
+use crate::path::request::{PathRequest, Segment, Shape, Target};
+use crate::plan::request::{LimitOverride, TrajectoryPoint};
 use crate::robot::spec::{Friction, RobotSpec};
 use crate::test_arms;
 
@@ -33,15 +33,10 @@ fn elastic() -> RobotSpec {
 
 /// There and back, with limited jerk.
 fn program() -> PathRequest {
-    let to = |position: [f64; 2]| Segment {
-        shape: Shape::Joint {
+    let to = |position: [f64; 2]| {
+        Segment::new(Shape::Joint {
             target: Target::Joints(position.to_vec()),
-        },
-        blend: None,
-        dwell: 0.0,
-        limits: Vec::new(),
-        tool_limits: ToolLimits::default(),
-        tool_speed: None,
+        })
     };
     let limit = |joint: &str| LimitOverride {
         joint: joint.to_owned(),
@@ -51,25 +46,9 @@ fn program() -> PathRequest {
         ..LimitOverride::default()
     };
     PathRequest {
-        start: vec![0.3, -0.5],
-        segments: vec![to([0.9, 0.3]), to([0.4, -0.4])],
-        payload: None,
-        tcp: None,
         limits: vec![limit("shoulder"), limit("elbow")],
-        tool_limits: ToolLimits::default(),
         torque_utilization: 0.8,
-        speed_scale: 1.0,
-        acceleration_scale: 1.0,
-        jerk_scale: 1.0,
-        limit_jerk: true,
-        timing: Timing::Optimal,
-        on_excess: OnExcess::SlowDown,
-        transition: Transition::Smooth,
-        transition_time: None,
-        tolerance: None,
-        start_speed: None,
-        end_speed: None,
-        sampling: Sampling::None,
+        ..PathRequest::new(vec![0.3, -0.5], vec![to([0.9, 0.3]), to([0.4, -0.4])])
     }
 }
 

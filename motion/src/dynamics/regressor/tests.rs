@@ -4,21 +4,11 @@ use crate::robot::description::{Description, Kinematics};
 use crate::test_arms::{random_arm, robot, values as random_values};
 
 fn published((text, tip): (&str, &str)) -> Robot {
-    let description = Description {
-        kinematics: Kinematics::Urdf {
-            text: text.to_owned(),
-            base_link: None,
-            tip_link: Some(tip.to_owned()),
-        },
-        joints: Vec::new(),
-        gravity: None,
-        payload: None,
-        tcp: None,
-        frames: Vec::new(),
-        use_urdf_dynamics: false,
-        link_inertia: Vec::new(),
-        uncertainty: None,
-    };
+    let description = Description::new(Kinematics::Urdf {
+        text: text.to_owned(),
+        base_link: None,
+        tip_link: Some(tip.to_owned()),
+    });
     Robot::new(description.resolve().unwrap().spec, Vec::new()).unwrap()
 }
 

@@ -9,7 +9,6 @@ use crate::path::outcome::PathInfeasible;
 use crate::path::request::*;
 use crate::path::{Program, Stroke, build};
 use crate::plan::Failure;
-use crate::plan::request::Sampling;
 use crate::robot::Robot;
 use crate::robot::description::{Description, Kinematics};
 use crate::test_arms::random;
@@ -19,19 +18,12 @@ pub(super) const PANDA: &str = include_str!("../../../../tests/vectors/robots/pa
 
 pub(super) fn robot(urdf: &str, tip_link: &str) -> Robot {
     let description = Description {
-        kinematics: Kinematics::Urdf {
+        use_urdf_dynamics: true,
+        ..Description::new(Kinematics::Urdf {
             text: urdf.to_owned(),
             base_link: None,
             tip_link: Some(tip_link.to_owned()),
-        },
-        joints: Vec::new(),
-        gravity: None,
-        payload: None,
-        tcp: None,
-        frames: Vec::new(),
-        use_urdf_dynamics: true,
-        link_inertia: Vec::new(),
-        uncertainty: None,
+        })
     };
     let resolved = description.resolve().unwrap();
     Robot::new(resolved.spec, resolved.warnings).unwrap()
@@ -46,37 +38,13 @@ pub(super) fn tcp() -> Isometry3<f64> {
 }
 
 pub(super) fn request(start: &[f64], segments: Vec<Segment>) -> PathRequest {
-    PathRequest {
-        start: start.to_vec(),
-        segments,
-        payload: None,
-        tcp: None,
-        limits: Vec::new(),
-        tool_limits: ToolLimits::default(),
-        torque_utilization: 1.0,
-        speed_scale: 1.0,
-        acceleration_scale: 1.0,
-        jerk_scale: 1.0,
-        limit_jerk: true,
-        timing: Timing::Optimal,
-        on_excess: OnExcess::SlowDown,
-        transition: Transition::Smooth,
-        transition_time: None,
-        tolerance: None,
-        start_speed: None,
-        end_speed: None,
-        sampling: Sampling::None,
-    }
+    PathRequest::new(start.to_vec(), segments)
 }
 
 pub(super) fn segment(shape: Shape, blend: Option<Blend>) -> Segment {
     Segment {
-        shape,
         blend,
-        dwell: 0.0,
-        limits: Vec::new(),
-        tool_limits: ToolLimits::default(),
-        tool_speed: None,
+        ..Segment::new(shape)
     }
 }
 

@@ -17,19 +17,12 @@ const URDF: &str = "<robot name='r'>
 
 fn description() -> Description {
     Description {
-        kinematics: Kinematics::Urdf {
+        use_urdf_dynamics: true,
+        ..Description::new(Kinematics::Urdf {
             text: URDF.to_owned(),
             base_link: None,
             tip_link: None,
-        },
-        joints: Vec::new(),
-        gravity: None,
-        payload: None,
-        tcp: None,
-        frames: Vec::new(),
-        use_urdf_dynamics: true,
-        link_inertia: Vec::new(),
-        uncertainty: None,
+        })
     }
 }
 

@@ -42,17 +42,7 @@ fn from_urdf(text: &str, base: &str, tip: &str) -> Robot {
 }
 
 fn build(kinematics: Kinematics) -> Robot {
-    let description = Description {
-        kinematics,
-        joints: Vec::new(),
-        gravity: None,
-        payload: None,
-        tcp: None,
-        frames: Vec::new(),
-        use_urdf_dynamics: false,
-        link_inertia: Vec::new(),
-        uncertainty: None,
-    };
+    let description = Description::new(kinematics);
     Robot::new(description.resolve().unwrap().spec, Vec::new()).unwrap()
 }
 

@@ -17,18 +17,11 @@ fn description() -> Description {
         inertia: Matrix3::identity(),
     };
     Description {
-        kinematics: Kinematics::Dh {
+        tcp: Some(Isometry3::identity()),
+        ..Description::new(Kinematics::Dh {
             convention: DhConvention::Standard,
             links: vec![link("a"), link("b")],
-        },
-        joints: Vec::new(),
-        gravity: None,
-        payload: None,
-        tcp: Some(Isometry3::identity()),
-        frames: Vec::new(),
-        use_urdf_dynamics: false,
-        link_inertia: Vec::new(),
-        uncertainty: None,
+        })
     }
 }
 
