@@ -32,7 +32,7 @@ const REPEATS: usize = 40;
 
 fn main() {
     for arm in arms::all() {
-        let start = arm.start();
+        let start = arm.program.start;
         let count = arm.robot.joint_count();
         let mut request = RehearsalRequest::new(there_and_back(&start));
         request.friction = vec![

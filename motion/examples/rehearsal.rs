@@ -13,7 +13,7 @@ use takt_motion::budget::Budget;
 use takt_motion::drive::controller::Adaptation;
 use takt_motion::drive::rehearse::outcome::{Rehearsal, RehearsalOutcome, RunEnd};
 use takt_motion::drive::rehearse::rehearse;
-use takt_motion::drive::rehearse::request::{FrictionTruth, RehearsalRequest};
+use takt_motion::drive::rehearse::request::{FrictionTruth, Motion, RehearsalRequest};
 
 #[path = "rehearsal/arms.rs"]
 mod arms;
@@ -38,7 +38,7 @@ fn run(arm: &arms::Arm, scale: f64, adaptation: Adaptation) -> Rehearsal {
         settle: 0.25,
         friction: vec![truth; arm.robot.joint_count()],
         adaptation,
-        ..RehearsalRequest::new(arm.motion.clone())
+        ..RehearsalRequest::new(Motion::Path(Box::new(arm.program.clone())))
     };
     match rehearse(&arm.robot, &request, &Budget::unlimited()).expect("the request is sound") {
         RehearsalOutcome::Run(run) => *run,

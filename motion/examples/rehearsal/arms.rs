@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use serde_json::Value;
-use takt_motion::drive::rehearse::request::Motion;
 use takt_motion::nalgebra::Matrix3;
 use takt_motion::path::request::{PathRequest, Segment, Shape, Target};
 use takt_motion::plan::request::LimitOverride;
@@ -15,18 +14,7 @@ use takt_motion::robot::spec::{Friction, Inertial, JointSpec};
 pub(crate) struct Arm {
     pub(crate) name: &'static str,
     pub(crate) robot: Robot,
-    pub(crate) motion: Motion,
-}
-
-impl Arm {
-    /// Where its program begins.
-    #[allow(dead_code, reason = "the benchmark has set-points of its own")]
-    pub(crate) fn start(&self) -> Vec<f64> {
-        match &self.motion {
-            Motion::Path(path) => path.start.clone(),
-            Motion::Move(_) | Motion::Setpoints(_) => Vec::new(),
-        }
-    }
+    pub(crate) program: PathRequest,
 }
 
 /// What is assumed of a joint's drive, seen from the joint.
@@ -50,47 +38,13 @@ const MOTOR_PART: f64 = 0.75;
 const DAMPING: f64 = 5.0e-4;
 
 pub(crate) fn all() -> Vec<Arm> {
-    let big = |torque: f64| Assumed {
-        rotor: 1.5,
-        stiffness: 2.0e4,
-        coulomb: 0.06 * torque,
-        viscous: 0.02 * torque,
-    };
-    let small = |torque: f64| Assumed {
-        rotor: 0.2,
-        stiffness: 5.0e3,
-        coulomb: 0.06 * torque,
-        viscous: 0.02 * torque,
-    };
-    let ur5e = [
-        big(150.0),
-        big(150.0),
-        big(150.0),
-        small(28.0),
-        small(28.0),
-        small(28.0),
-    ];
-    let franka = |torque: f64| Assumed {
-        rotor: 0.6,
-        stiffness: 1.4e4,
-        coulomb: 0.03 * torque,
-        viscous: 0.01 * torque,
-    };
-    let wrist = |torque: f64| Assumed {
-        rotor: 0.2,
-        stiffness: 5.0e3,
-        coulomb: 0.06 * torque,
-        viscous: 0.02 * torque,
-    };
-    let fr3 = [
-        franka(87.0),
-        franka(87.0),
-        franka(87.0),
-        franka(87.0),
-        wrist(12.0),
-        wrist(12.0),
-        wrist(12.0),
-    ];
+    let small = |torque| assumed(0.2, 5.0e3, 0.06 * torque);
+    let big = |torque| assumed(1.5, 2.0e4, 0.06 * torque);
+    let franka = |torque| assumed(0.6, 1.4e4, 0.03 * torque);
+    let ur5e = [150.0, 150.0, 150.0].map(big).into_iter();
+    let ur5e: Vec<Assumed> = ur5e.chain([28.0, 28.0, 28.0].map(small)).collect();
+    let fr3 = [87.0, 87.0, 87.0, 87.0].map(franka).into_iter();
+    let fr3: Vec<Assumed> = fr3.chain([12.0, 12.0, 12.0].map(small)).collect();
     vec![
         arm(
             "ur5e",
@@ -111,6 +65,16 @@ pub(crate) fn all() -> Vec<Arm> {
             &[0.8, -0.7, 0.6, 0.8, -0.9, 1.0],
         ),
     ]
+}
+
+/// A drive whose viscous friction at 3 rad/s is its Coulomb friction.
+fn assumed(rotor: f64, stiffness: f64, coulomb: f64) -> Assumed {
+    Assumed {
+        rotor,
+        stiffness,
+        coulomb,
+        viscous: coulomb / 3.0,
+    }
 }
 
 fn arm(name: &'static str, assumed: &[Assumed], start: &[f64], way: &[f64]) -> Arm {
@@ -146,7 +110,7 @@ fn arm(name: &'static str, assumed: &[Assumed], start: &[f64], way: &[f64]) -> A
     Arm {
         name,
         robot,
-        motion: Motion::Path(Box::new(program(&names, start, way))),
+        program: program(&names, start, way),
     }
 }
 
