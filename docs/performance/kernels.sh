@@ -19,7 +19,7 @@ for arm in ur5e fr3; do
     "$python" docs/performance/arms_for_pinocchio.py "tests/vectors/robots/$arm/$arm.urdf" > "$work/$arm.txt"
 done
 for compiler in clang++ g++; do
-    [ "$work/pinocchio-$compiler" -nt docs/performance/pinocchio.cpp ] || "$compiler" -O3 -march=native -DNDEBUG -std=c++17 -w \
+    "$compiler" -O3 -march=native -DNDEBUG -std=c++17 -w \
         -DBOOST_MPL_LIMIT_LIST_SIZE=30 -DBOOST_MPL_LIMIT_VECTOR_SIZE=30 -DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS \
         -DBOOST_FUSION_INVOKE_MAX_ARITY=12 -I"$prefix/include" -I/usr/include/eigen3 \
         docs/performance/pinocchio.cpp -o "$work/pinocchio-$compiler"
@@ -43,20 +43,4 @@ for round in $(seq "$rounds"); do
     done
 done
 
-"$python" - "$work/figures" <<'END'
-import statistics
-import sys
-
-figures = {}
-for line in open(sys.argv[1]):
-    build, name, *values = line.split()
-    figures.setdefault(name, {}).setdefault(build, []).append(float(values[0]))
-for name, builds in figures.items():
-    medians = {build: statistics.median(values) for build, values in builds.items()}
-    unit = "" if name.endswith("value") else " ns"
-    print(name + ": " + ", ".join(f"{build} {median:.9g}{unit}" for build, median in medians.items()))
-    if unit and "pinocchio-clang++" in medians:
-        for takt in ("takt-shipped", "takt-native"):
-            ratios = (f"{medians[takt] / medians[peer]:.3f} of {peer}" for peer in medians if peer.startswith("pin"))
-            print(f"  {takt}: " + ", ".join(ratios))
-END
+"$python" docs/performance/compare.py "$work/figures" ns

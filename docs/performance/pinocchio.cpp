@@ -5,14 +5,13 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include <pinocchio/algorithm/crba.hpp>
 #include <pinocchio/algorithm/rnea.hpp>
 
-namespace pin = pinocchio;
+#include "arm.hpp"
 
 constexpr int STATES = 64;
 constexpr int BATCHES = 400;
@@ -46,34 +45,6 @@ template <class Work> void measure(const std::string &name, Work work) {
     }
     std::sort(batches.begin(), batches.end());
     std::printf("%s %.2f %.2f\n", name.c_str(), batches[BATCHES / 2], batches[0]);
-}
-
-// An arm as arms_for_pinocchio.py writes it: the library that reads URDF is built without the processor's instructions,
-// and Eigen's matrices cannot pass between the two.
-pin::Model read(const std::string &file) {
-    pin::Model model;
-    std::ifstream text(file);
-    pin::JointIndex last = 0;
-    int axis = 0;
-    while (text >> axis) {
-        double numbers[25];
-        for (double &number : numbers) {
-            text >> number;
-        }
-        const Eigen::Map<const Eigen::Matrix3d> rotation(numbers), inertia(numbers + 16);
-        const Eigen::Map<const Eigen::Vector3d> translation(numbers + 9), center(numbers + 13);
-        const pin::SE3 placement(rotation, translation);
-        const std::string name = "joint" + std::to_string(last);
-        if (axis == 0) {
-            last = model.addJoint(last, pin::JointModelRX(), placement, name);
-        } else if (axis == 1) {
-            last = model.addJoint(last, pin::JointModelRY(), placement, name);
-        } else {
-            last = model.addJoint(last, pin::JointModelRZ(), placement, name);
-        }
-        model.appendBodyToJoint(last, pin::Inertia(numbers[12], center, pin::Symmetric3(Eigen::Matrix3d(inertia))));
-    }
-    return model;
 }
 
 void arm(const std::string &name, const std::string &file) {

@@ -20,7 +20,7 @@ mkdir -p "$work/include/toppra"
 printf '#pragma once\n#define TOPPRA_EXPORT\n#define TOPPRA_NO_EXPORT\n#define TOPPRA_DEPRECATED\n' > "$work/include/toppra/export.hpp"
 prefix=$("$python" -c 'import pathlib, pinocchio; print(pathlib.Path(pinocchio.__file__).parents[4])')
 for compiler in clang++ g++; do
-    [ "$work/toppra-$compiler" -nt docs/performance/toppra.cpp ] || "$compiler" -O3 -march=native -DNDEBUG -std=c++17 -w \
+    "$compiler" -O3 -march=native -DNDEBUG -std=c++17 -w \
         -DBOOST_MPL_LIMIT_LIST_SIZE=30 -DBOOST_MPL_LIMIT_VECTOR_SIZE=30 -DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS \
         -DBOOST_FUSION_INVOKE_MAX_ARITY=12 -I"$work/include" -I"$toppra" -I"$prefix/include" -I/usr/include/eigen3 \
         docs/performance/toppra.cpp "$toppra"/toppra/*.cpp "$toppra"/toppra/algorithm/*.cpp \
@@ -47,20 +47,4 @@ for round in $(seq "$rounds"); do
     done
 done
 
-"$python" - "$work/figures" <<'END'
-import statistics
-import sys
-
-figures = {}
-for line in open(sys.argv[1]):
-    build, name, *values = line.split()
-    figures.setdefault(name, {}).setdefault(build, []).append(float(values[0]))
-for name, builds in figures.items():
-    medians = {build: statistics.median(values) for build, values in builds.items()}
-    unit = " s" if name.endswith("value") else " us"
-    print(name + ": " + ", ".join(f"{build} {median:.9g}{unit}" for build, median in medians.items()))
-    for peer in builds:
-        if peer != "takt" and unit == " us":
-            ratios = sorted(ours / theirs for ours, theirs in zip(builds["takt"], builds[peer]))
-            print(f"    takt over {peer}: {statistics.median(ratios):.3f} ({ratios[0]:.3f} to {ratios[-1]:.3f} by round)")
-END
+"$python" docs/performance/compare.py "$work/figures" us

@@ -23,7 +23,7 @@
 #include <toppra/geometric_path/piecewise_poly_path.hpp>
 #include <toppra/solver/seidel.hpp>
 
-namespace pin = pinocchio;
+#include "arm.hpp"
 
 constexpr int DEGREE = 5;
 constexpr int REPEATS = 12;
@@ -38,32 +38,6 @@ struct Torque : toppra::constraint::JointTorque {
         tau = pin::rnea(model, data, q, v, a);
     }
 };
-
-pin::Model read(const std::string &file) {
-    pin::Model model;
-    std::ifstream text(file);
-    pin::JointIndex last = 0;
-    int axis = 0;
-    while (text >> axis) {
-        double numbers[25];
-        for (double &number : numbers) {
-            text >> number;
-        }
-        const Eigen::Map<const Eigen::Matrix3d> rotation(numbers), inertia(numbers + 16);
-        const Eigen::Map<const Eigen::Vector3d> translation(numbers + 9), center(numbers + 13);
-        const pin::SE3 placement(rotation, translation);
-        const std::string name = "joint" + std::to_string(last);
-        if (axis == 0) {
-            last = model.addJoint(last, pin::JointModelRX(), placement, name);
-        } else if (axis == 1) {
-            last = model.addJoint(last, pin::JointModelRY(), placement, name);
-        } else {
-            last = model.addJoint(last, pin::JointModelRZ(), placement, name);
-        }
-        model.appendBodyToJoint(last, pin::Inertia(numbers[12], center, pin::Symmetric3(Eigen::Matrix3d(inertia))));
-    }
-    return model;
-}
 
 // Speeds as toppra has them: squares of the path's speed at the nodes, even acceleration between them.
 double duration(const toppra::ParametrizationData &data) {
