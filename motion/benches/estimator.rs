@@ -11,15 +11,16 @@
 
 #![allow(clippy::print_stdout, reason = "a program that prints a table")]
 
+#[path = "common/vectors.rs"]
+mod vectors;
+
 use std::hint::black_box;
-use std::path::Path;
 use std::time::Instant;
 
 use takt_motion::budget::Budget;
 use takt_motion::drive::estimate::{EstimatorMethod, EstimatorOptions, FrictionEstimator, FrictionLaw, FrictionSide};
 use takt_motion::drive::telemetry::Telemetry;
 use takt_motion::robot::Robot;
-use takt_motion::robot::description::{Description, Kinematics};
 
 const JOINTS: usize = 6;
 
@@ -76,16 +77,7 @@ fn main() {
 
 /// The arm of `tests/vectors/robots`.
 fn ur5e() -> Robot {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/vectors/robots/ur5e/ur5e.urdf");
-    let description = Description {
-        gravity: Some([0.0, 0.0, -9.81].into()),
-        ..Description::new(Kinematics::Urdf {
-            text: std::fs::read_to_string(file).expect("the repository has the file"),
-            base_link: None,
-            tip_link: Some("tool0".to_owned()),
-        })
-    };
-    let mut resolved = description.resolve().expect("the arm is sound");
+    let mut resolved = vectors::resolved("ur5e");
     for joint in &mut resolved.spec.joints {
         // the observer needs a rotor
         joint.drive.gear_ratio = 101.0;

@@ -10,11 +10,12 @@
 
 #![allow(clippy::print_stdout, reason = "a program that prints a table")]
 
+#[path = "common/vectors.rs"]
+mod vectors;
+
 use std::hint::black_box;
-use std::path::Path;
 use std::time::Instant;
 
-use serde_json::Value;
 use takt_motion::budget::Budget;
 use takt_motion::dynamics::{Workspace, mass_matrix, rigid_torque};
 use takt_motion::kinematics::inverse::{self, Inverse, Solutions, Turns};
@@ -24,7 +25,6 @@ use takt_motion::plan::outcome::MoveOutcome;
 use takt_motion::plan::plan_move;
 use takt_motion::plan::request::MoveRequest;
 use takt_motion::robot::Robot;
-use takt_motion::robot::description::{Description, Kinematics};
 
 /// States of one batch, as in `docs/performance/pinocchio.cpp`.
 const STATES: usize = 64;
@@ -48,23 +48,8 @@ fn main() {
     }
 }
 
-/// An arm of `tests/vectors/robots`, all of its torque and speed limits from its URDF.
 fn read(arm: &str) -> Robot {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../tests/vectors/robots")
-        .join(arm);
-    let text = |file: &str| std::fs::read_to_string(folder.join(file)).expect("the repository has the file");
-    let oracle: Value = serde_json::from_str(&text("oracle.json")).expect("the file is JSON");
-    let link = |key: &str| oracle[key].as_str().map(str::to_owned);
-    let description = Description {
-        gravity: Some([0.0, 0.0, -9.81].into()),
-        ..Description::new(Kinematics::Urdf {
-            text: text(&format!("{arm}.urdf")),
-            base_link: link("root_link"),
-            tip_link: link("tip_link"),
-        })
-    };
-    let resolved = description.resolve().expect("the arm is sound");
+    let resolved = vectors::resolved(arm);
     Robot::new(resolved.spec, resolved.warnings).expect("the arm is sound")
 }
 

@@ -11,9 +11,11 @@
 
 #![allow(clippy::print_stdout, reason = "a program that prints a table")]
 
+#[path = "common/vectors.rs"]
+mod vectors;
+
 use std::cell::Cell;
 use std::hint::black_box;
-use std::path::Path;
 use std::time::Instant;
 
 use takt_motion::budget::Budget;
@@ -22,7 +24,6 @@ use takt_motion::path::plan_path;
 use takt_motion::path::request::{Blend, Extent, PathRequest, Segment, Shape, Space, Target, ToolLimits, Weight};
 use takt_motion::plan::request::LimitOverride;
 use takt_motion::robot::Robot;
-use takt_motion::robot::description::{Description, Kinematics};
 
 const PROGRAMS: usize = 30;
 
@@ -75,13 +76,7 @@ fn time(robot: &Robot, request: &PathRequest) -> Option<f64> {
 }
 
 fn ur5e() -> Robot {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/vectors/robots/ur5e/ur5e.urdf");
-    let description = Description::new(Kinematics::Urdf {
-        text: std::fs::read_to_string(file).expect("the repository has the file"),
-        base_link: None,
-        tip_link: Some("tool0".to_owned()),
-    });
-    let resolved = description.resolve().expect("the description is sound");
+    let resolved = vectors::resolved("ur5e");
     Robot::new(resolved.spec, resolved.warnings).expect("the arm is sound")
 }
 

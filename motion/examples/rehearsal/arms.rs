@@ -1,13 +1,12 @@
 //! Three arms with drives, and a program for each: published bodies and limits, assumed drives where nobody publishes any.
 
-use std::path::Path;
+#[path = "../../benches/common/vectors.rs"]
+mod vectors;
 
-use serde_json::Value;
 use takt_motion::nalgebra::Matrix3;
 use takt_motion::path::request::{PathRequest, Segment, Shape, Target};
 use takt_motion::plan::request::LimitOverride;
 use takt_motion::robot::Robot;
-use takt_motion::robot::description::{Description, Kinematics};
 use takt_motion::robot::spec::{Friction, Inertial, JointSpec};
 
 /// An arm and what it runs.
@@ -78,21 +77,7 @@ fn assumed(rotor: f64, stiffness: f64, coulomb: f64) -> Assumed {
 }
 
 fn arm(name: &'static str, assumed: &[Assumed], start: &[f64], way: &[f64]) -> Arm {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../tests/vectors/robots")
-        .join(name);
-    let text = |file: &str| std::fs::read_to_string(folder.join(file)).expect("the repository has the file");
-    let oracle: Value = serde_json::from_str(&text("oracle.json")).expect("the file is JSON");
-    let link = |key: &str| oracle[key].as_str().map(str::to_owned);
-    let description = Description {
-        gravity: Some([0.0, 0.0, -9.81].into()),
-        ..Description::new(Kinematics::Urdf {
-            text: text(&format!("{name}.urdf")),
-            base_link: link("root_link"),
-            tip_link: link("tip_link"),
-        })
-    };
-    let resolved = description.resolve().expect("the arm is sound");
+    let resolved = vectors::resolved(name);
     let mut spec = resolved.spec;
     for (joint, assumed) in spec.joints.iter_mut().zip(assumed) {
         assume(joint, assumed);

@@ -99,6 +99,12 @@ pub(crate) struct Joint {
 }
 
 impl Joint {
+    /// Of every joint of a robot.
+    pub(crate) fn all(robot: &Robot) -> Vec<Self> {
+        let joints = robot.spec().joints.iter();
+        joints.map(|joint| Self::new(&joint.drive)).collect()
+    }
+
     /// A transmission needs a rotor to swing against: without one the joint is rigid.
     pub(crate) fn new(drive: &Drive) -> Self {
         let inertia = drive.gear_ratio * drive.gear_ratio * drive.rotor_inertia;
@@ -122,12 +128,7 @@ pub fn feed_forward(
     budget: &Budget<'_>,
 ) -> Result<Result<FeedForward, TransmissionRange>, Stopped> {
     let count = reference.joint_count;
-    let joints: Vec<Joint> = robot
-        .spec()
-        .joints
-        .iter()
-        .map(|joint| Joint::new(&joint.drive))
-        .collect();
+    let joints = Joint::all(robot);
     let mut dynamics = TorqueSeries::new(count);
     let mut desired = Vec::with_capacity(reference.states.len());
     for step in 0..reference.steps() {

@@ -86,12 +86,7 @@ impl JointGains {
 /// Gains for motions near some positions, one joint after the other in each.
 #[must_use]
 pub fn default_gains(robot: &Robot, positions: &[Vec<f64>], period: f64) -> Vec<JointGains> {
-    let joints: Vec<Joint> = robot
-        .spec()
-        .joints
-        .iter()
-        .map(|joint| Joint::new(&joint.drive))
-        .collect();
+    let joints = Joint::all(robot);
     let count = joints.len();
     let mut workspace = Workspace::new(robot);
     let mut matrix = vec![0.0; count * count];

@@ -64,12 +64,7 @@ pub fn rehearse(robot: &Robot, request: &RehearsalRequest, budget: &Budget<'_>) 
         planned: &planned,
         tcp,
     };
-    let joints: Vec<Joint> = robot
-        .spec()
-        .joints
-        .iter()
-        .map(|joint| Joint::new(&joint.drive))
-        .collect();
+    let joints = Joint::all(robot);
     Ok(RehearsalOutcome::Run(Box::new(Rehearsal {
         period: request.period,
         duration: reference.duration,

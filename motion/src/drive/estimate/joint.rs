@@ -3,7 +3,7 @@
 use super::combination::{Combination, PositionSource, TransmissionTorqueSource};
 use super::excitation::Excitation;
 use super::filter::{Filter, FilterStep};
-use super::kalman::{Kalman, Taken};
+use super::kalman::{Kalman, Measurement, Taken};
 use super::law::{self, FrictionLaw, TERMS_MAX, TRIANGLE};
 use super::least_squares::{LeastSquares, Row, Worth};
 use super::model::JointModel;
@@ -256,11 +256,14 @@ impl JointState {
         let square = if rules.method == EstimatorMethod::Kalman {
             self.kalman.wander(self.waiting);
             self.waiting = 0.0;
-            let (variance, weight) = (self.spread.robust, step.worth.weight());
-            match self
-                .kalman
-                .update(psi, torque, variance, weight, rules.outlier_threshold)
-            {
+            let measurement = Measurement {
+                psi,
+                torque,
+                variance: self.spread.robust,
+                weight: step.worth.weight(),
+                gate: rules.outlier_threshold,
+            };
+            match self.kalman.update(&measurement) {
                 Taken::Used(square) => square,
                 Taken::Outlier(square) => {
                     // it is heard of here alone: where all torques have changed, the gate opens

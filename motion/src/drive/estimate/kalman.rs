@@ -26,6 +26,20 @@ pub(super) struct Kalman {
     pub(super) caps: [f64; TERMS_MAX],
 }
 
+/// One sample.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Measurement<'a> {
+    pub(super) psi: &'a [f64; TERMS_MAX],
+    /// Torque that the terms should add up to.
+    pub(super) torque: f64,
+    /// Of its noise.
+    pub(super) variance: f64,
+    /// How much of a new sample it is.
+    pub(super) weight: f64,
+    /// How many standard deviations an innovation may have.
+    pub(super) gate: Option<f64>,
+}
+
 /// What became of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Taken {
@@ -49,22 +63,14 @@ impl Kalman {
         }
     }
 
-    /// Takes in a torque. `variance`: of one sample's noise; `weight`: how much of a new sample it is; `gate`: how many standard
-    /// deviations an innovation may have.
+    /// Takes in a sample.
     #[inline]
-    pub(super) fn update(
-        &mut self,
-        psi: &[f64; TERMS_MAX],
-        torque: f64,
-        variance: f64,
-        weight: f64,
-        gate: Option<f64>,
-    ) -> Taken {
+    pub(super) fn update(&mut self, sample: &Measurement<'_>) -> Taken {
         match self.count {
-            2 => self.step::<2>(psi, torque, variance, weight, gate),
-            3 => self.step::<3>(psi, torque, variance, weight, gate),
-            4 => self.step::<4>(psi, torque, variance, weight, gate),
-            _ => self.step::<5>(psi, torque, variance, weight, gate),
+            2 => self.step::<2>(sample),
+            3 => self.step::<3>(sample),
+            4 => self.step::<4>(sample),
+            _ => self.step::<5>(sample),
         }
     }
 
@@ -73,14 +79,14 @@ impl Kalman {
         clippy::needless_range_loop,
         reason = "rows and columns by their index, as in the formulas"
     )]
-    fn step<const N: usize>(
-        &mut self,
-        psi: &[f64; TERMS_MAX],
-        torque: f64,
-        variance: f64,
-        weight: f64,
-        gate: Option<f64>,
-    ) -> Taken {
+    fn step<const N: usize>(&mut self, sample: &Measurement<'_>) -> Taken {
+        let &Measurement {
+            psi,
+            torque,
+            variance,
+            weight,
+            gate,
+        } = sample;
         let noise = variance / weight;
         let mut product = [0.0; N];
         let (mut spread, mut predicted) = (0.0, 0.0);

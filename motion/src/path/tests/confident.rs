@@ -49,6 +49,11 @@ fn sample(level: f64) -> Confidence {
     }
 }
 
+fn peak_torques(robot: &Robot) -> Vec<f64> {
+    let joints = robot.spec().joints.iter();
+    joints.map(|joint| joint.drive.peak_torque.unwrap()).collect()
+}
+
 /// The least room that torques and their bands leave along set-points, as part of the limit, bands put together entry by entry.
 fn least_margin(robot: &Robot, plan: &PathPlan, multiplier: f64, limit: impl Fn(usize, usize) -> f64) -> f64 {
     let known = robot.spec().uncertainty.as_ref().unwrap();
@@ -89,12 +94,7 @@ fn a_program_holds_its_limits_with_their_bands_and_says_what_that_costs() {
     let asked = corner();
     let (plan, report) = held(&robot, &asked, sample(0.95));
     assert!(report.holds && plan.duration > report.nominal_duration.unwrap());
-    let peaks: Vec<f64> = robot
-        .spec()
-        .joints
-        .iter()
-        .map(|j| j.drive.peak_torque.unwrap())
-        .collect();
+    let peaks = peak_torques(&robot);
     let limit = |joint: usize, segment: usize| {
         if joint == 1 && segment == 1 {
             120.0
@@ -162,12 +162,7 @@ fn a_constant_speed_is_lowered_or_refused_for_its_bands() {
     };
     asked.torque_utilization = 0.75;
     let (plan, report) = held(&robot, &asked, sample(0.99));
-    let peaks: Vec<f64> = robot
-        .spec()
-        .joints
-        .iter()
-        .map(|j| j.drive.peak_torque.unwrap())
-        .collect();
+    let peaks = peak_torques(&robot);
     let least = least_margin(&robot, &plan, 2.575_829_303_548_901, |joint, _| 0.75 * peaks[joint]);
     assert!(report.holds && least > -1e-6, "{least}");
     assert!(plan.duration >= report.nominal_duration.unwrap());

@@ -4,6 +4,16 @@ use crate::drive::estimate::least_squares::{LeastSquares, Row, Worth};
 use crate::drive::estimate::noise::normal;
 use crate::test_arms::random;
 
+fn measured(psi: &[f64; TERMS_MAX], torque: f64, variance: f64, weight: f64, gate: Option<f64>) -> Measurement<'_> {
+    Measurement {
+        psi,
+        torque,
+        variance,
+        weight,
+        gate,
+    }
+}
+
 fn filter(count: usize, variance: f64, drift: f64) -> Kalman {
     let mut covariance = [0.0; TRIANGLE];
     for index in 0..count {
@@ -43,7 +53,7 @@ fn without_drift_it_is_least_squares() {
             let (torque, weight) = (3.0 * random(state), 0.6 + 0.4 * random(state));
             kalman.wander(0.001);
             assert!(matches!(
-                kalman.update(&psi, torque, noise, weight, None),
+                kalman.update(&measured(&psi, torque, noise, weight, None)),
                 Taken::Used(_)
             ));
             let row = Row {
@@ -83,7 +93,7 @@ fn intervals_cover_while_coefficients_wander() {
             let psi = FrictionLaw::default().regressors(1.5 * random(state), 0.0);
             let torque = psi[0] * truth[0] + psi[1] * truth[1] + deviation * normal(state);
             kalman.wander(step);
-            kalman.update(&psi, torque, deviation * deviation, 1.0, None);
+            kalman.update(&measured(&psi, torque, deviation * deviation, 1.0, None));
         }
         for (index, truth) in truth.iter().enumerate() {
             let width = 1.96 * kalman.covariance[lower(index, index)].sqrt();
@@ -103,16 +113,25 @@ fn an_outlier_is_not_taken_and_nonsense_changes_nothing() {
     for _ in 0..1000 {
         let psi = law.regressors(random(state), 0.0);
         kalman.wander(0.001);
-        kalman.update(&psi, 2.0 * psi[0] + 0.1 * normal(state), 0.01, 1.0, Some(5.0));
+        kalman.update(&measured(
+            &psi,
+            2.0 * psi[0] + 0.1 * normal(state),
+            0.01,
+            1.0,
+            Some(5.0),
+        ));
     }
     let before = kalman.clone();
     let psi = law.regressors(0.5, 0.0);
     assert!(matches!(
-        kalman.update(&psi, 9.0, 0.01, 1.0, Some(5.0)),
+        kalman.update(&measured(&psi, 9.0, 0.01, 1.0, Some(5.0))),
         Taken::Outlier(_)
     ));
     for bad in [f64::NAN, f64::INFINITY, 1e300] {
-        assert_eq!(kalman.update(&psi, bad, 0.01, 1.0, Some(5.0)), Taken::NotFinite);
+        assert_eq!(
+            kalman.update(&measured(&psi, bad, 0.01, 1.0, Some(5.0))),
+            Taken::NotFinite
+        );
     }
     assert_eq!(kalman, before);
 }
