@@ -15,6 +15,11 @@ use std::{fmt, ops::RangeInclusive};
 
 use takt_motion::{Invalid, nalgebra};
 
+/// A count or an index as the wire has it; what it counts is far fewer than the largest.
+fn count_to_wire(count: usize) -> u32 {
+    u32::try_from(count).unwrap_or(u32::MAX)
+}
+
 /// Where in a message: a chain of borrowed steps that costs nothing until it is printed.
 #[derive(Debug, Clone, Copy)]
 pub enum Path<'a> {

@@ -106,45 +106,22 @@ fn long_stream() -> v1::StreamSetpointsRequest {
     good_stream(2e-5)
 }
 
-/// A server with room for one request and little patience.
-async fn narrow(stream_idle_s: f64) -> TestServer {
-    TestServer::with(Config {
-        examples: true,
-        limits: Limits {
-            max_concurrent_requests: 1,
-            stream_idle_s,
-            ..Limits::default()
-        },
-        ..Config::default()
-    })
-    .await
-}
-
-/// Waits until the one place is free.
-async fn until_there_is_room(server: &TestServer) {
-    let client = server.client(Protocol::Grpc);
-    while let Err(error) = client.plan_move(good_move()).await {
-        assert_eq!(error.code(), Code::Overloaded, "{error}");
-        tokio::task::yield_now().await;
-    }
-}
-
 #[tokio::test]
 async fn a_stream_that_is_left_gives_its_place_back() {
-    let server = narrow(3600.0).await;
+    let server = TestServer::narrow(1, 3600.0).await;
     for protocol in Protocol::BOTH {
         let mut stream = server.client(protocol).stream_setpoints(long_stream()).await.unwrap();
         assert!(stream.next().await.unwrap().is_some());
         let other = server.client(protocol).plan_move(good_move()).await.unwrap_err();
         assert_eq!(other.code(), Code::Overloaded, "a stream is a request in work");
         drop(stream);
-        until_there_is_room(&server).await;
+        server.until_there_is_room().await;
     }
 }
 
 #[tokio::test]
 async fn a_stream_that_nobody_reads_is_given_up_and_says_so() {
-    let server = narrow(0.05).await;
+    let server = TestServer::narrow(1, 0.05).await;
     let mut http = server.http().await;
     let body = serde_json::to_string(&v1::StreamSetpointsRequest {
         robot_id: String::new(),
@@ -156,13 +133,13 @@ async fn a_stream_that_nobody_reads_is_given_up_and_says_so() {
         body.len()
     );
     http.send(head.as_bytes()).await;
-    until_there_is_room(&server).await;
+    server.until_there_is_room().await;
     let mut stream = server
         .client(Protocol::Grpc)
         .stream_setpoints(long_stream())
         .await
         .unwrap();
-    until_there_is_room(&server).await;
+    server.until_there_is_room().await;
     let error = loop {
         match stream.next().await {
             Ok(piece) => assert!(piece.is_some_and(|chunk| !chunk.last)),
@@ -177,13 +154,13 @@ async fn a_stream_that_nobody_reads_is_given_up_and_says_so() {
 
 #[tokio::test]
 async fn a_batch_to_which_nothing_is_added_ends() {
-    let server = narrow(0.05).await;
+    let server = TestServer::narrow(1, 0.05).await;
     for protocol in Protocol::BOTH {
         let client = server.client(protocol);
         let mut answers = client.plan_batch("ur5e", stream::pending()).await.unwrap();
         let error = answers.next().await.unwrap_err();
         assert_eq!(error.code(), Code::DeadlineExceeded, "{error}");
-        until_there_is_room(&server).await;
+        server.until_there_is_room().await;
     }
 }
 
@@ -365,18 +342,18 @@ async fn answers_do_not_wait_for_the_end_of_the_requests() {
 
 #[tokio::test]
 async fn a_batch_whose_caller_is_gone_gives_its_place_back() {
-    let server = narrow(3600.0).await;
+    let server = TestServer::narrow(1, 3600.0).await;
     let line = serde_json::to_string(&batch(1, false)[0]).unwrap() + "\n";
     let mut http = server.http().await;
     http.begin("/v1/robots/ur5e:planBatch", LINES).await;
     http.send_chunk(line.as_bytes()).await;
     drop(http);
-    until_there_is_room(&server).await;
+    server.until_there_is_room().await;
     let client = server.client(Protocol::Grpc);
     let mut answers = client.plan_batch("ur5e", stream::iter(batch(50, false))).await.unwrap();
     assert!(answers.next().await.unwrap().is_some());
     drop(answers);
-    until_there_is_room(&server).await;
+    server.until_there_is_room().await;
 }
 
 /// What has been answered is not held any more: a batch may be longer than what all requests together may hold.

@@ -5,7 +5,6 @@ use takt_client::{
     Client, Code, Error,
     v1::{self, friction_coefficient::Term, plan_move_response::Outcome},
 };
-use takt_server::{Config, Limits};
 use takt_tests::{
     Protocol, TestServer,
     fixtures::good_move,
@@ -301,31 +300,9 @@ async fn messages_in_the_wrong_order_are_refused() {
     }
 }
 
-/// A server with room for so many requests and little patience.
-async fn narrow(max_concurrent_requests: usize, stream_idle_s: f64) -> TestServer {
-    TestServer::with(Config {
-        examples: true,
-        limits: Limits {
-            max_concurrent_requests,
-            stream_idle_s,
-            ..Limits::default()
-        },
-        ..Config::default()
-    })
-    .await
-}
-
-async fn until_there_is_room(server: &TestServer) {
-    let client = server.client(Protocol::Grpc);
-    while let Err(error) = client.plan_move(good_move()).await {
-        assert_eq!(error.code(), Code::Overloaded, "{error}");
-        tokio::task::yield_now().await;
-    }
-}
-
 #[tokio::test]
 async fn a_stream_to_which_nothing_is_added_ends_with_what_was_learned() {
-    let server = narrow(1, 0.05).await;
+    let server = TestServer::narrow(1, 0.05).await;
     for protocol in Protocol::BOTH {
         let blocks = stream::iter(Reporter::default().blocks(3)).chain(stream::pending());
         let client = server.client(protocol);
@@ -342,14 +319,14 @@ async fn a_stream_to_which_nothing_is_added_ends_with_what_was_learned() {
         };
         assert_eq!(error.code(), Code::DeadlineExceeded, "{error}");
         assert!(last(found).state.is_some());
-        until_there_is_room(&server).await;
+        server.until_there_is_room().await;
     }
 }
 
 /// Who reads nothing is given up; what others stream meanwhile is not touched by it.
 #[tokio::test]
 async fn a_caller_who_stops_reading_is_given_up_and_others_do_not_notice() {
-    let server = narrow(3, 0.3).await;
+    let server = TestServer::narrow(3, 0.3).await;
     // Every sample has its answer, and none is read.
     let header = r#"{"header": {"report_period_s": 0.001}}"#;
     let mut reporter = Reporter::default();

@@ -2,11 +2,11 @@
 
 use std::net::SocketAddr;
 
-use takt_client::{Client, RetryPolicy, Transport};
-use takt_server::{Config, Server};
+use takt_client::{Client, Code, RetryPolicy, Transport};
+use takt_server::{Config, Limits, Server};
 use tokio::{sync::oneshot, task::JoinHandle};
 
-use crate::{Protocol, grpc, http};
+use crate::{Protocol, fixtures::good_move, grpc, http};
 
 /// A server that stops when it is told to, or with the test.
 #[derive(Debug)]
@@ -39,6 +39,29 @@ impl TestServer {
             address,
             stop: Some(stop),
             task: tokio::spawn(running),
+        }
+    }
+
+    /// A server of the examples with room for so many requests, and so much patience with a stream that stands still.
+    pub async fn narrow(max_concurrent_requests: usize, stream_idle_s: f64) -> Self {
+        Self::with(Config {
+            examples: true,
+            limits: Limits {
+                max_concurrent_requests,
+                stream_idle_s,
+                ..Limits::default()
+            },
+            ..Config::default()
+        })
+        .await
+    }
+
+    /// Waits until there is room for a request.
+    pub async fn until_there_is_room(&self) {
+        let client = self.client(Protocol::Grpc);
+        while let Err(error) = client.plan_move(good_move()).await {
+            assert_eq!(error.code(), Code::Overloaded, "{error}");
+            tokio::task::yield_now().await;
         }
     }
 

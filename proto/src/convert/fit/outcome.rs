@@ -6,20 +6,9 @@ use takt_motion::{
 };
 
 use crate::{
-    convert::robot::kind_to_wire,
+    convert::{count_to_wire, plan::name, robot::kind_to_wire},
     v1::{self, fit_parameter::Parameter},
 };
-
-fn name(joint: usize, robot: &RobotSpec) -> String {
-    robot
-        .joints
-        .get(joint)
-        .map_or_else(String::new, |joint| joint.name.clone())
-}
-
-fn count(number: usize) -> u32 {
-    u32::try_from(number).unwrap_or(u32::MAX)
-}
 
 /// Writes a fit; what it was compared with is the caller's.
 #[must_use]
@@ -30,8 +19,8 @@ pub fn fit_to_wire(fit: &MotionFit, robot: &RobotSpec) -> v1::MotionFit {
         joints: joints.map(|(joint, one)| joint_fit(one, joint, robot)).collect(),
         ridge: fit.ridge,
         determined: fit.determined,
-        sample_count: count(fit.sample_count),
-        fold_count: count(fit.fold_count),
+        sample_count: count_to_wire(fit.sample_count),
+        fold_count: count_to_wire(fit.fold_count),
         warnings: fit.warnings.clone(),
         before: None,
         after: None,
@@ -57,7 +46,7 @@ pub fn missing_to_wire(missing: &[Missing], robot: &RobotSpec) -> v1::NotExcited
 fn parameter(unknown: Unknown, robot: &RobotSpec) -> v1::FitParameter {
     let parameter = match unknown {
         Unknown::Joint(parameter) => Parameter::Joint(v1::FittedParameter {
-            joint: name(parameter.joint, robot),
+            joint: name(robot, parameter.joint),
             kind: kind_to_wire(parameter.kind).into(),
         }),
         // Numbered in the same order, from 1.
@@ -81,13 +70,13 @@ fn estimate(estimate: &Estimate, robot: &RobotSpec) -> v1::ParameterEstimate {
 
 fn joint_fit(fit: &JointFit, joint: usize, robot: &RobotSpec) -> v1::JointFit {
     v1::JointFit {
-        joint: name(joint, robot),
+        joint: name(robot, joint),
         fitted_error: fit.fitted_error,
         validated_error: fit.validated_error,
         presliding_deflection: fit.presliding_deflection,
         correlation_time_s: fit.correlation_time,
         pose_share: fit.pose_share,
-        pose_joint: name(fit.pose_joint, robot),
+        pose_joint: name(robot, fit.pose_joint),
         by_position: bins(&fit.by_position),
         by_speed: bins(&fit.by_speed),
     }
@@ -111,7 +100,7 @@ pub fn assessment_to_wire(assessment: &Assessment, robot: &RobotSpec) -> v1::Ass
         .iter()
         .enumerate()
         .map(|(joint, one)| v1::JointAssessment {
-            joint: name(joint, robot),
+            joint: name(robot, joint),
             error: one.error,
             percentile: one.percentile,
             percentile_of_peak: one.percentile_of_peak,
@@ -123,6 +112,6 @@ pub fn assessment_to_wire(assessment: &Assessment, robot: &RobotSpec) -> v1::Ass
         });
     v1::Assessment {
         joints: joints.collect(),
-        sample_count: count(assessment.sample_count),
+        sample_count: count_to_wire(assessment.sample_count),
     }
 }

@@ -12,7 +12,7 @@ use takt_motion::{
 };
 
 use crate::{
-    convert::{plan, robot},
+    convert::{count_to_wire, plan, robot},
     v1,
 };
 
@@ -59,14 +59,9 @@ fn plan_to_wire(plan: PathPlan, robot: &RobotSpec) -> v1::PathPlan {
     }
 }
 
-/// An index as the wire has it. Programs are far shorter than the largest.
-fn index_to_wire(index: usize) -> u32 {
-    u32::try_from(index).unwrap_or(u32::MAX)
-}
-
 fn location_to_wire(location: Location) -> v1::PathLocation {
     v1::PathLocation {
-        segment: index_to_wire(location.segment),
+        segment: count_to_wire(location.segment),
         fraction: location.fraction,
     }
 }
@@ -86,7 +81,7 @@ fn segment_to_wire(segment: &SegmentReport) -> v1::SegmentReport {
 
 fn blend_to_wire(blend: BlendReport) -> v1::BlendReport {
     v1::BlendReport {
-        segment: index_to_wire(blend.segment),
+        segment: count_to_wire(blend.segment),
         begin: Some(location_to_wire(blend.begin)),
         end: Some(location_to_wire(blend.end)),
         begin_s: blend.begin_time,
@@ -156,7 +151,7 @@ fn constant_speed_to_wire(report: ConstantSpeedReport) -> v1::ConstantSpeedRepor
 
 fn transition_to_wire(transition: &TransitionReport) -> v1::TransitionReport {
     v1::TransitionReport {
-        segment: transition.segment.map(index_to_wire),
+        segment: transition.segment.map(count_to_wire),
         begin_s: transition.begin_time,
         end_s: transition.end_time,
         deviation_m: transition.deviation,
@@ -171,7 +166,7 @@ fn setpoints_to_wire(setpoints: PathSetpoints, robot: &RobotSpec) -> v1::Setpoin
     v1::Setpoints {
         segment: locations
             .iter()
-            .map(|location| index_to_wire(location.segment))
+            .map(|location| count_to_wire(location.segment))
             .collect(),
         fraction: locations.iter().map(|location| location.fraction).collect(),
         tool_speed_m_per_s: setpoints.tool_speed,
@@ -227,7 +222,7 @@ impl SetpointsOf {
             let locations = part(&setpoints.locations, &piece);
             wire.segment = locations
                 .iter()
-                .map(|location| index_to_wire(location.segment))
+                .map(|location| count_to_wire(location.segment))
                 .collect();
             wire.fraction = locations.iter().map(|location| location.fraction).collect();
             wire.tool_speed_m_per_s = part(&setpoints.tool_speed, &piece);

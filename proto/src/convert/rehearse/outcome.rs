@@ -11,7 +11,10 @@ use takt_motion::{
 };
 
 use crate::{
-    convert::{path, plan},
+    convert::{
+        count_to_wire, path,
+        plan::{self, name},
+    },
     v1::{self, rehearsal_run::End, rehearse_response::Outcome},
 };
 
@@ -26,20 +29,9 @@ pub fn outcome_to_wire(outcome: RehearsalOutcome, robot: &RobotSpec) -> Outcome 
     }
 }
 
-fn name(joint: usize, robot: &RobotSpec) -> String {
-    robot
-        .joints
-        .get(joint)
-        .map_or_else(String::new, |joint| joint.name.clone())
-}
-
-fn count(number: usize) -> u32 {
-    u32::try_from(number).unwrap_or(u32::MAX)
-}
-
 fn of_range(range: TransmissionRange, robot: &RobotSpec) -> v1::TransmissionRange {
     v1::TransmissionRange {
-        joint: name(range.joint, robot),
+        joint: name(robot, range.joint),
         time_s: range.time,
         torque: range.torque,
         largest_torque: range.largest,
@@ -52,17 +44,17 @@ fn of_rehearsal(rehearsal: Rehearsal, robot: &RobotSpec) -> v1::Rehearsal {
         .iter()
         .enumerate()
         .map(|(index, gains)| v1::RehearsedJoint {
-            joint: name(index, robot),
+            joint: name(robot, index),
             flexible: rehearsal.flexible.get(index).copied().unwrap_or(false),
             planned_torque: rehearsal.planned_torque.get(index).copied().unwrap_or(0.0),
-            gains: Some(of_gains(*gains, name(index, robot))),
+            gains: Some(of_gains(*gains, name(robot, index))),
         });
     v1::Rehearsal {
         period_s: rehearsal.period,
         duration_s: rehearsal.duration,
-        steps: count(rehearsal.steps),
+        steps: count_to_wire(rehearsal.steps),
         continuity: rehearsal.smoothness.continuity,
-        exact_steps: count(rehearsal.smoothness.exact_steps),
+        exact_steps: count_to_wire(rehearsal.smoothness.exact_steps),
         joints: joints.collect(),
         plain: Some(of_run(rehearsal.plain, robot)),
         adapted: Some(of_run(rehearsal.adapted, robot)),
@@ -90,12 +82,12 @@ fn of_run(run: Run, robot: &RobotSpec) -> v1::RehearsalRun {
     let joints = run.joints.into_iter().enumerate();
     v1::RehearsalRun {
         end: end.into(),
-        end_joint: joint.map(|joint| name(joint, robot)),
+        end_joint: joint.map(|joint| name(robot, joint)),
         end_time_s: time,
         transmission_range: range.map(|range| of_range(range, robot)),
-        steps: count(run.steps),
+        steps: count_to_wire(run.steps),
         joints: joints
-            .map(|(index, joint)| of_joint(joint, name(index, robot)))
+            .map(|(index, joint)| of_joint(joint, name(robot, index)))
             .collect(),
         tool_error_peak_m: run.tool_error_peak,
         tool_error_time_s: run.tool_error_time,
@@ -144,7 +136,7 @@ fn of_joint(run: JointRun, joint: String) -> v1::JointRun {
 fn of_trace(trace: Trace, robot: &RobotSpec) -> v1::RehearsalTrace {
     let joints = trace.joints.into_iter().enumerate();
     let joints = joints.map(|(index, columns)| v1::RehearsalColumns {
-        joint: name(index, robot),
+        joint: name(robot, index),
         planned_position: columns.planned_position,
         position: columns.position,
         motor_position: columns.motor_position,
