@@ -5,16 +5,17 @@
 //! cargo bench --package takt-tests --bench service -- [rounds]
 //! ```
 //!
-//! Every server is a process of its own (this program again); the time that its threads ran is read before and after
-//! each round. Rounds of all servers take turns, and medians over the rounds are compared, so that a busy machine
-//! disturbs all alike. The echoes read the same requests and answer with a plan made beforehand: tonic's generated
-//! server for gRPC, axum's `Json` for HTTP. Linux only: times are read from `/proc`.
+//! The time that a server's threads ran is read before and after each round. Rounds of all servers take turns, and medians
+//! over the rounds are compared, so that a busy machine disturbs all alike. The echoes read the same requests and answer with a plan made beforehand: tonic's generated
+//! server for gRPC, axum's `Json` for HTTP. All of them have the log that `takt serve` has: without one, tonic's spans go to a
+//! slower place. Linux only (`common/served.rs`).
 
 #![allow(clippy::print_stdout, reason = "a program that prints a table")]
 
-use std::io::{BufRead, BufReader, Read};
+#[path = "common/served.rs"]
+mod served;
+
 use std::net::SocketAddr;
-use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -24,6 +25,7 @@ use http_body_util::{BodyExt, Full};
 use hyper_util::client::legacy::Client;
 use hyper_util::client::legacy::connect::HttpConnector;
 use hyper_util::rt::TokioExecutor;
+use served::{Failure, Served, ran};
 use takt_motion::budget::Budget;
 use takt_motion::plan::plan_move;
 use takt_motion::plan::request::MoveRequest;
@@ -51,15 +53,13 @@ const MOVES: usize = 512;
 
 const ROBOT: &str = include_str!("../../robots/ur5e.json");
 
-type Failure = Box<dyn std::error::Error + Send + Sync>;
-
 fn main() -> Result<(), Failure> {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|name| name != "--bench").collect();
     let runtime = tokio::runtime::Runtime::new()?;
     if let [flag, server] = &arguments[..]
-        && flag == "--serve"
+        && flag == served::SERVE
     {
-        return runtime.block_on(serve(server));
+        return runtime.block_on(served::until_told(serve(server)));
     }
     let rounds = arguments.first().and_then(|rounds| rounds.parse().ok()).unwrap_or(11);
     let robot = robot()?;
@@ -168,7 +168,7 @@ fn answer() -> Result<v1::PlanMoveResponse, Failure> {
 /// A server in a process of its own.
 struct Measured {
     name: &'static str,
-    process: Child,
+    served: Served,
     callers: Callers,
     costs: Vec<f64>,
 }
@@ -181,26 +181,15 @@ enum Callers {
 
 impl Measured {
     fn start(name: &'static str) -> Self {
-        let program = std::env::current_exe().expect("this program has a path");
-        let mut process = Command::new(program)
-            .args(["--serve", name])
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("this program runs again");
-        let mut line = String::new();
-        let output = process.stdout.take().expect("it is piped");
-        BufReader::new(output)
-            .read_line(&mut line)
-            .expect("it says where it listens");
-        let url = format!("http://{}", line.trim());
+        let served = Served::start(name);
+        let url = served.url.clone();
         let callers = match name {
             "echo-tonic" | "takt-grpc" => Callers::Grpc(url, Vec::new()),
             _ => Callers::Http(url, Box::new(Client::builder(TokioExecutor::new()).build_http())),
         };
         Self {
             name,
-            process,
+            served,
             callers,
             costs: Vec::new(),
         }
@@ -216,7 +205,7 @@ impl Measured {
         }
         let next = Arc::new(AtomicUsize::new(0));
         let requests: Arc<[v1::PlanMoveRequest]> = requests.into();
-        let before = cpu_time(self.process.id());
+        let before = self.served.cpu_time();
         let callers: Vec<_> = (0..CALLERS)
             .map(|caller| {
                 let (next, requests, callers) = (Arc::clone(&next), Arc::clone(&requests), self.callers.clone());
@@ -234,7 +223,7 @@ impl Measured {
         for caller in callers {
             caller.await??;
         }
-        Ok((cpu_time(self.process.id()) - before) * 1e6 / REQUESTS as f64)
+        Ok((self.served.cpu_time() - before) * 1e6 / REQUESTS as f64)
     }
 }
 
@@ -260,40 +249,12 @@ impl Callers {
     }
 }
 
-impl Drop for Measured {
-    fn drop(&mut self) {
-        // It ends when its input does.
-        drop(self.process.stdin.take());
-        self.process.wait().ok();
-    }
-}
-
-/// Time that a process' threads have run so far, s.
-fn cpu_time(process: u32) -> f64 {
-    let threads = std::fs::read_dir(format!("/proc/{process}/task")).expect("the process runs");
-    threads.flatten().map(|thread| ran(thread.path())).sum()
-}
-
-/// Time that a thread has run so far, s: the scheduler's own count, in nanoseconds.
-fn ran(thread: impl AsRef<std::path::Path>) -> f64 {
-    let text = std::fs::read_to_string(thread.as_ref().join("schedstat")).unwrap_or_default();
-    let nanoseconds = text.split_whitespace().next().and_then(|text| text.parse::<f64>().ok());
-    nanoseconds.unwrap_or(0.0) / 1e9
-}
-
-/// Runs a server until its standard input ends.
+/// Runs a server by its name.
 async fn serve(server: &str) -> Result<(), Failure> {
-    let stopped = tokio::task::spawn_blocking(|| std::io::stdin().read_to_end(&mut Vec::new()));
-    let running = async {
-        match server {
-            "echo-tonic" => echo_tonic().await,
-            "echo-axum" => echo_axum().await,
-            _ => takt().await,
-        }
-    };
-    tokio::select! {
-        ended = running => ended,
-        _ = stopped => std::process::exit(0),
+    match server {
+        "echo-tonic" => echo_tonic().await,
+        "echo-axum" => echo_axum().await,
+        _ => served::takt().await,
     }
 }
 
@@ -362,18 +323,4 @@ async fn echo_axum() -> Result<(), Failure> {
     let echo = move |axum::Json(_): axum::Json<v1::PlanMoveRequest>| async move { axum::Json(answer) };
     let router = axum::Router::new().route("/{*path}", post(echo));
     Ok(axum::serve(listen().await?, router).await?)
-}
-
-/// The service as `takt serve --examples --store memory` starts it.
-async fn takt() -> Result<(), Failure> {
-    takt_server::init_telemetry(takt_server::LogFormat::Text, "info")?;
-    let config = takt_server::Config {
-        listen: Some(SocketAddr::from(([127, 0, 0, 1], 0))),
-        examples: true,
-        ..takt_server::Config::default()
-    };
-    let server = takt_server::Server::bind(config).await?;
-    println!("{}", server.local_addr());
-    server.run(std::future::pending()).await;
-    Ok(())
 }

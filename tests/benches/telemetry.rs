@@ -5,20 +5,16 @@
 //! cargo bench --package takt-tests --bench telemetry -- [arms] [seconds] [rounds]
 //! ```
 //!
-//! The server is a process of its own (this program again); the time that its threads ran is read before and after
-//! each round. Callers send as fast as the server takes it, so that it never waits. Linux only: times are read from
-//! `/proc`.
+//! Callers send as fast as the server takes it, so that it never waits. Linux only (`common/served.rs`).
 
 #![allow(clippy::print_stdout, reason = "a program that prints a table")]
 
-use std::{
-    io::{BufRead, BufReader, Read},
-    process::{Child, Command, Stdio},
-};
+#[path = "common/served.rs"]
+mod served;
 
 use futures::stream;
+use served::{Failure, Served};
 use takt_client::{Client, Transport, v1};
-use takt_server::{Config, Server};
 use takt_tests::telemetry::{ROBOT, Reporter};
 
 /// The allocator of the binary `takt`.
@@ -31,13 +27,11 @@ const BLOCKS_A_SECOND: usize = 10;
 /// Clients, each with a connection of its own: arms are spread over them.
 const CLIENTS: usize = 8;
 
-type Failure = Box<dyn std::error::Error + Send + Sync>;
-
 fn main() -> Result<(), Failure> {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|name| name != "--bench").collect();
     let runtime = tokio::runtime::Runtime::new()?;
-    if arguments.first().is_some_and(|flag| flag == "--serve") {
-        return runtime.block_on(serve());
+    if arguments.first().is_some_and(|flag| flag == served::SERVE) {
+        return runtime.block_on(served::until_told(served::takt()));
     }
     let number = |index: usize, default: usize| {
         arguments
@@ -48,12 +42,12 @@ fn main() -> Result<(), Failure> {
     let (arms, seconds, rounds) = (number(0, 200), number(1, 5), number(2, 7));
     let blocks = Reporter::default().blocks(seconds * BLOCKS_A_SECOND);
     for transport in [Transport::Grpc, Transport::Http] {
-        let server = Served::start();
+        let server = Served::start("takt");
         let mut costs = Vec::new();
         for round in 0..=rounds {
-            let before = cpu_time(server.process.id());
+            let before = server.cpu_time();
             runtime.block_on(stream_all(&server.url, transport, arms, &blocks))?;
-            let cost = (cpu_time(server.process.id()) - before) / (arms * seconds) as f64;
+            let cost = (server.cpu_time() - before) / (arms * seconds) as f64;
             // The first one warms up.
             if round > 0 {
                 costs.push(cost);
@@ -104,64 +98,4 @@ async fn stream_one(client: &Client, blocks: Vec<v1::Telemetry>) -> Result<(), F
         return Err(format!("{taken} of {sent} samples taken in, {count} answers to {expected} blocks").into());
     }
     Ok(())
-}
-
-/// A server in a process of its own.
-struct Served {
-    process: Child,
-    url: String,
-}
-
-impl Served {
-    fn start() -> Self {
-        let program = std::env::current_exe().expect("this program has a path");
-        let mut process = Command::new(program)
-            .arg("--serve")
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("this program runs again");
-        let mut line = String::new();
-        let output = process.stdout.take().expect("it is piped");
-        let read = BufReader::new(output).read_line(&mut line);
-        read.expect("it says where it listens");
-        Self {
-            process,
-            url: format!("http://{}", line.trim()),
-        }
-    }
-}
-
-impl Drop for Served {
-    fn drop(&mut self) {
-        // It ends when its input does.
-        drop(self.process.stdin.take());
-        self.process.wait().ok();
-    }
-}
-
-/// Runs a server until its standard input ends.
-async fn serve() -> Result<(), Failure> {
-    let stopped = tokio::task::spawn_blocking(|| std::io::stdin().read_to_end(&mut Vec::new()));
-    let config = Config {
-        examples: true,
-        ..Config::default()
-    };
-    let server = Server::bind(config).await?;
-    println!("{}", server.local_addr());
-    tokio::select! {
-        () = server.run(std::future::pending()) => Ok(()),
-        _ = stopped => std::process::exit(0),
-    }
-}
-
-/// Time that a process' threads have run so far, s: the scheduler's own count, in nanoseconds.
-fn cpu_time(process: u32) -> f64 {
-    let threads = std::fs::read_dir(format!("/proc/{process}/task")).expect("the process runs");
-    let ran = |thread: std::fs::DirEntry| {
-        let text = std::fs::read_to_string(thread.path().join("schedstat")).unwrap_or_default();
-        let nanoseconds = text.split_whitespace().next().and_then(|text| text.parse::<f64>().ok());
-        nanoseconds.unwrap_or(0.0) / 1e9
-    };
-    threads.flatten().map(ran).sum()
 }
