@@ -10,6 +10,10 @@ use takt_motion::{
     budget::Budget,
     drive::{
         estimate::{FrictionEstimator, UpdateError},
+        fit::{
+            constant_speed::fit_constant_speed, damping::fit_damping, motion::fit_motion, report::MotionOutcome,
+            stiffness::fit_stiffness,
+        },
         rehearse,
     },
     dynamics::{self, Workspace},
@@ -286,6 +290,66 @@ fn estimate(estimator: &mut FrictionEstimator, block: &v1::Telemetry) {
     }
     black_box(convert::drive::estimate_to_wire(&estimator.report(), ARM.spec()));
     black_box(convert::drive::state_to_wire(estimator.state()));
+}
+
+/// A recording that a drive or an arm is fitted to.
+pub fn fit_drive(bytes: &[u8]) {
+    use v1::fit_drive_request::Fit;
+    for request in decoded::<v1::FitDriveRequest>(bytes) {
+        match request.fit {
+            Some(Fit::Motion(wire)) => fit_recording(&wire),
+            Some(Fit::Stiffness(wire)) if wire.torque.len() <= ENTRIES => {
+                let terms = usize::try_from(wire.terms.unwrap_or(1)).unwrap_or(usize::MAX);
+                told(fit_stiffness(&wire.torque, &wire.deformation, terms), "stiffness");
+            }
+            Some(Fit::Damping(wire)) if wire.time_s.len() <= ENTRIES => {
+                told(fit_damping(&wire.time_s, &wire.amplitude, 0.5), "damping");
+            }
+            Some(Fit::ConstantSpeed(wire)) if wire.runs.len() <= ENTRIES => {
+                let runs = convert::fit::runs(&wire.runs);
+                told(fit_constant_speed(&runs, &[2e4, 1e7]), "constant_speed");
+            }
+            Some(_) | None => {}
+        }
+    }
+}
+
+/// What a bench fit says, or what it finds wrong.
+fn told<T>(found: Result<T, Vec<Invalid>>, field: &str) {
+    match found {
+        Ok(found) => drop(black_box(found)),
+        Err(errors) => {
+            let errors = errors.into_iter();
+            let errors = errors.map(|error| convert::fit::finding_on_bench(error, field));
+            assert_named(&errors.collect::<Vec<_>>());
+        }
+    }
+}
+
+fn fit_recording(wire: &v1::MotionFitRequest) {
+    let mut findings = Findings::default();
+    let read = convert::fit::motion_fit_request(wire, Some(ARM.spec()), &mut findings);
+    let is_right = findings.is_empty();
+    assert_named(&findings.into_list());
+    let Some(read) = read.filter(|_| is_right) else {
+        return;
+    };
+    match bounded(|budget| fit_motion(&ARM, &read.recording, &read.options, budget)) {
+        Ok(MotionOutcome::Fitted(fit)) => {
+            let robot = Robot::new(fit.spec.clone(), Vec::new());
+            assert!(robot.is_ok(), "a fit makes a robot that cannot be: {robot:?}");
+            black_box(convert::fit::fit_to_wire(&fit, ARM.spec()));
+        }
+        Ok(MotionOutcome::NotExcited(missing)) => {
+            black_box(convert::fit::missing_to_wire(&missing, ARM.spec()));
+        }
+        Err(plan::Failure::Stopped) => {}
+        Err(plan::Failure::Invalid(errors)) => {
+            let errors = errors.into_iter();
+            let errors = errors.map(|error| convert::fit::finding_on_recording(error, wire, ARM.spec(), "identify"));
+            assert_named(&errors.collect::<Vec<_>>());
+        }
+    }
 }
 
 /// A rehearsal.

@@ -346,3 +346,73 @@ fn rehearsals_are_run_or_refused() {
     };
     run(10, targets::rehearse, &encodings(&request));
 }
+
+/// Recorded torques and positions of an arm with four joints that swing for some seconds.
+fn recorded() -> v1::Telemetry {
+    let times: Vec<f64> = (0..240).map(|index| 0.02 * f64::from(index)).collect();
+    let column = |of: &dyn Fn(f64) -> f64| times.iter().map(|time| of(*time)).collect::<Vec<_>>();
+    let joints = (1..=4).map(|joint| {
+        let rate = 0.8 + 0.3 * f64::from(joint);
+        v1::TelemetryColumns {
+            position: column(&|time| 0.1 + 0.08 * (rate * time).sin()),
+            torque: column(&|time| 2.0 * (rate * time).cos().signum() - (rate * time).sin()),
+            ..Default::default()
+        }
+    });
+    v1::Telemetry {
+        joints: joints.collect(),
+        time_s: times.clone(),
+    }
+}
+
+#[test]
+fn fits_are_made_or_refused() {
+    use v1::fit_drive_request::Fit;
+    let request = |fit| v1::FitDriveRequest {
+        robot_id: "scara".to_owned(),
+        fit: Some(fit),
+        ..Default::default()
+    };
+    let joint = || "elbow".to_owned();
+    let motion = v1::MotionFitRequest {
+        recording: Some(recorded()),
+        identify: Some(v1::TimeRange {
+            begin_s: 0.0,
+            end_s: 3.0,
+        }),
+        test: Some(v1::TimeRange {
+            begin_s: 3.2,
+            end_s: 4.7,
+        }),
+        scope: Some(1),
+        ..Default::default()
+    };
+    let stiffness = v1::StiffnessFitRequest {
+        joint: joint(),
+        torque: vec![-20.0, -10.0, 5.0, 10.0, 20.0],
+        deformation: vec![-1e-3, -5e-4, 2.5e-4, 5e-4, 1e-3],
+        terms: Some(2),
+    };
+    let damping = v1::DampingFitRequest {
+        joint: joint(),
+        time_s: vec![0.0, 0.05, 0.1, 0.15],
+        amplitude: vec![1e-3, 7e-4, 5e-4, 3.4e-4],
+    };
+    let run_at = |speed: f64| v1::ConstantSpeedRun {
+        speed,
+        motor_torque: 3.0 * speed.signum() + 2.0 * speed,
+        deformation: Some(1e-4 * speed.signum()),
+    };
+    let constant_speed = v1::ConstantSpeedFitRequest {
+        joint: joint(),
+        runs: [-1.0, -0.5, -0.2, 0.2, 0.5, 1.0].map(run_at).to_vec(),
+    };
+    let inputs = [
+        encodings(&request(Fit::Motion(motion))),
+        encodings(&request(Fit::Stiffness(stiffness))),
+        encodings(&request(Fit::Damping(damping))),
+        encodings(&request(Fit::ConstantSpeed(constant_speed))),
+    ]
+    .concat();
+    run(11, targets::fit_drive, &inputs);
+}
