@@ -26,6 +26,9 @@ pub(super) struct LeastSquares {
     pub(super) factor: UnitFactor,
     /// Largest entries of Q's diagonal.
     pub(super) caps: [f64; TERMS_MAX],
+    /// By what factor Q can grow, at the least, before it reaches a cap: forgetting alone makes it grow, and samples make it
+    /// smaller. Below 1, it is looked at.
+    pub(super) room: f64,
     pub(super) evidence: Evidence,
 }
 
@@ -115,6 +118,7 @@ impl LeastSquares {
             coefficients: *mean,
             factor,
             caps,
+            room: 0.0,
             evidence: Evidence::new(prior),
         })
     }
@@ -170,7 +174,8 @@ impl LeastSquares {
             row.worth.seconds,
             innovation * fitting,
         );
-        if lambda < 1.0 {
+        self.room *= lambda;
+        if self.room < 1.0 {
             self.bound::<N>();
         }
         Some(Fitted {
@@ -187,12 +192,15 @@ impl LeastSquares {
     }
 
     /// Holds Q below its caps. It goes to half a cap, so that it is seldom done.
-    #[inline(always)]
+    #[cold]
     fn bound<const N: usize>(&mut self) {
+        self.room = f64::INFINITY;
         for index in 0..N {
             if self.factor.variance(N, index) > self.caps[index] {
                 self.bound_one::<N>(index);
             }
+            // what is added at another coefficient later takes from this one too
+            self.room = self.room.min(self.caps[index] / self.factor.variance(N, index));
         }
     }
 

@@ -302,9 +302,12 @@ fn visit_least_squares(state: &mut LeastSquares, port: &mut impl Port) {
         coefficients,
         factor,
         caps: _,
+        room,
         evidence,
     } = state;
     port.reals(coefficients);
+    // looked at again
+    *room = 0.0;
     let UnitFactor { upper, diagonal } = factor;
     port.reals(upper);
     port.reals(diagonal);
