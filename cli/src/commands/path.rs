@@ -139,8 +139,7 @@ fn show(
     if !output.draws() {
         return Ok(());
     }
-    let tightened = request.limits.as_ref().map_or(&[][..], |limits| &limits.joints);
-    let curves = Curves::of_path(plan, robot, tightened, units)
+    let curves = Curves::of_path(plan, robot, request, units)
         .ok_or_else(|| Failure::service("the reply came without samples, so there is nothing to draw"))?;
     if output.plot {
         let picture = terminal_plot::render(&curves, io.terminal.width, io.terminal.colour);
