@@ -5,7 +5,7 @@
 use std::fmt::Write;
 
 use super::{
-    curves::{Curve, Curves, JointCurves, Limit},
+    curves::{Curve, Curves, JointCurves, Limit, Subject},
     scale::{Axis, thinned},
     table::number,
 };
@@ -72,17 +72,12 @@ pub(crate) fn render(curves: &Curves, heading: Option<&Heading>) -> String {
     let mut y = top;
     if let Some(tool) = &curves.tool {
         name(&mut out, "tool", y);
-        panel(
-            &mut out,
-            &curves.time,
-            tool,
-            None,
-            Frame::at(PANELS_LEFT[0], WIDE_PANEL, y),
-        );
+        let frame = Frame::at(PANELS_LEFT[0], WIDE_PANEL, y);
+        panel(&mut out, &curves.time, tool, None, frame, upright(&[tool]));
         y += ROW;
     }
     for joint in &curves.joints {
-        row(&mut out, &curves.time, joint, y);
+        row(&mut out, curves, joint, y);
         y += ROW;
     }
     for left in PANELS_LEFT {
@@ -183,11 +178,27 @@ fn name(out: &mut String, name: &str, y: f64) {
     text(out, 20.0, y + 20.0, "joint", name);
 }
 
-fn row(out: &mut String, time: &[f64], joint: &JointCurves, y: f64) {
+fn row(out: &mut String, curves: &Curves, joint: &JointCurves, y: f64) {
     name(out, &joint.joint, y);
-    for (curve, left) in [&joint.left, &joint.right].into_iter().zip(PANELS_LEFT) {
-        panel(out, time, curve, joint.switches, Frame::at(left, PANEL_WIDTH, y));
+    let both = [&joint.left, &joint.right];
+    for (curve, left) in both.into_iter().zip(PANELS_LEFT) {
+        // Of a rehearsal both are the same quantity, and to be compared.
+        let up = match curves.subject {
+            Subject::Rehearsal => upright(&both),
+            Subject::Plan | Subject::Estimate => upright(&[curve]),
+        };
+        let frame = Frame::at(left, PANEL_WIDTH, y);
+        panel(out, &curves.time, curve, joint.switches, frame, up);
     }
+}
+
+/// The upright axis on which curves and their limits are in sight.
+fn upright(curves: &[&Curve]) -> Axis {
+    let values = curves.iter().flat_map(|curve| {
+        let limits = curve.limits_in_sight();
+        curve.values.iter().copied().chain(limits)
+    });
+    Axis::around(values.chain([0.0])).padded(0.08)
 }
 
 /// Where a panel is.
@@ -205,13 +216,11 @@ impl Frame {
     }
 }
 
-fn panel(out: &mut String, time: &[f64], curve: &Curve, switches: Option<(f64, f64)>, frame: Frame) {
+fn panel(out: &mut String, time: &[f64], curve: &Curve, switches: Option<(f64, f64)>, frame: Frame, up: Axis) {
     let Frame { left, top, width } = frame;
     let end = time.last().copied().unwrap_or(0.0);
     let limits = curve.limits_in_sight();
     let across = Axis::around([0.0, end]);
-    let values = curve.values.iter().copied().chain(limits.iter().copied()).chain([0.0]);
-    let up = Axis::around(values).padded(0.08);
     let x = |value: f64| left + width * across.part(value);
     let y = |value: f64| top + PANEL_HEIGHT * (1.0 - up.part(value));
     let (right, bottom) = (left + width, top + PANEL_HEIGHT);
@@ -327,6 +336,61 @@ mod tests {
         ] {
             assert!(svg.contains(part), "{part:?} is not in the picture");
         }
+    }
+
+    #[test]
+    fn the_legend_is_that_of_what_is_shown() {
+        let mut curves = Curves::of(&example::plan(), &example::robot(), &[], Units::default()).unwrap();
+        let svg = render(&curves, None);
+        for part in ["plan", "limit in force", "tightest moment", "speeding up"] {
+            assert!(svg.contains(&format!(">{part}")), "{part}");
+        }
+        curves.subject = Subject::Rehearsal;
+        for joint in &mut curves.joints {
+            joint.switches = None;
+            for curve in [&mut joint.left, &mut joint.right] {
+                curve.limit = Limit::None;
+            }
+        }
+        let svg = render(&curves, None);
+        assert!(
+            svg.contains(">distance from the plan<") && svg.contains(">largest value<"),
+            "{svg}"
+        );
+        for part in [">limit in force", "no limit known", ">speeding up", "class=\"limit\""] {
+            assert!(!svg.contains(part), "{part}");
+        }
+    }
+
+    #[test]
+    fn what_is_rehearsed_twice_has_one_scale() {
+        let curve = |values: [f64; 2]| Curve {
+            name: "off",
+            unit: "rad",
+            values: values.into(),
+            limit: Limit::None,
+        };
+        let curves = |subject| Curves {
+            time: vec![0.0, 1.0],
+            tool: None,
+            joints: vec![JointCurves {
+                joint: "a".to_owned(),
+                left: curve([0.0, 0.1]),
+                right: curve([0.0, 10.0]),
+                switches: None,
+            }],
+            subject,
+        };
+        let ticks = |subject| render(&curves(subject), None).matches(">10<").count();
+        assert_eq!((ticks(Subject::Rehearsal), ticks(Subject::Plan)), (2, 1));
+    }
+
+    #[test]
+    fn a_heading_is_broken_and_not_cut() {
+        let long = "joint ".repeat(60);
+        assert!(wrapped(&long, 150).iter().all(|line| line.chars().count() <= 150));
+        assert_eq!(wrapped(&long, 150).join(" "), long.trim_end());
+        assert_eq!(wrapped("ab cdefg h", 3), ["ab", "cde", "fg", "h"]);
     }
 
     #[test]
