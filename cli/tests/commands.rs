@@ -283,6 +283,15 @@ fn a_program_that_cannot_be_run_says_where() {
         "{}",
         said.output
     );
+    let heavy = text.replace("mass_kg: 1.5", "mass_kg: 40");
+    assert_ne!(text, heavy);
+    let said = call(&server, &["plan", "path", "ur5e", "-"], &heavy);
+    assert_eq!(said.code, exit::NO, "{}", said.errors);
+    assert!(
+        said.output.contains("kg would do") && said.output.contains("carry at most"),
+        "{}",
+        said.output
+    );
     let wrong = text.replace("blend: {radius_m: 0.05}", "blend: {radius: 0.05}");
     let said = call(&server, &["plan", "path", "ur5e", "-"], &wrong);
     assert_eq!(said.code, exit::USAGE);

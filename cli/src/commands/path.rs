@@ -104,7 +104,7 @@ pub(super) async fn run(args: PathArgs, client: &Client, io: &mut Io) -> Result<
 
 /// The program, with what the options put in the place of its fields.
 fn request(args: &PathArgs, io: &mut Io) -> Result<v1::PlanPathRequest, Failure> {
-    let mut request: v1::PlanPathRequest = files::message(&args.program, &files::read(&args.program, io)?)?;
+    let mut request = files::program(&args.program, &files::read(&args.program, io)?)?;
     request.robot_id.clone_from(&args.robot_id);
     if !args.limit.is_empty() {
         let all = request.limits.get_or_insert_default();

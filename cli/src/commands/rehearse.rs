@@ -221,7 +221,7 @@ fn of_file(name: &str, text: &str) -> Result<v1::RehearseRequest, Failure> {
     let motion = if has("move") || has("path") || has("setpoints") {
         return files::message(name, text);
     } else if has("segments") {
-        Motion::Path(files::message(name, text)?)
+        Motion::Path(files::program(name, text)?)
     } else if has("trajectory") {
         Motion::Setpoints(files::message(name, text)?)
     } else {

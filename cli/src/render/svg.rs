@@ -202,6 +202,7 @@ fn upright(curves: &[&Curve]) -> Axis {
 }
 
 /// Where a panel is.
+#[derive(Debug, Clone, Copy)]
 struct Frame {
     left: f64,
     top: f64,

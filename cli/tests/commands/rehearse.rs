@@ -1,4 +1,4 @@
-//! Rehearsals.
+//! Rehearsals, and what motors are to do.
 
 use super::{call, exit, program, server};
 
@@ -100,4 +100,22 @@ fn joints_without_friction_are_named_once() {
     assert_eq!(said.code, exit::OK, "{}", said.errors);
     assert_eq!(said.output.matches("changes nothing").count(), 1, "{}", said.output);
     assert!(said.output.contains("\"wrist_3_joint\""), "{}", said.output);
+}
+
+#[test]
+fn motors_have_columns_in_a_stream_as_in_a_plan() {
+    let server = server();
+    let more = ["--sample-period", "4ms", "--motors"];
+    let of_scara = |command: &[&'static str]| [command, &["scara"][..], &MOVE[2..6]].concat();
+    let plan = call(
+        &server,
+        &[&of_scara(&["plan", "move"])[..], &more, &["--csv"]].concat(),
+        "",
+    );
+    assert_eq!(plan.code, exit::OK, "{}", plan.errors);
+    assert!(plan.output.contains("shoulder.motor_torque"), "{}", plan.output);
+    let stream = call(&server, &[&of_scara(&["setpoints"])[..], &more].concat(), "");
+    assert_eq!(stream.output, plan.output, "{}", stream.errors);
+    let warned = "warning: jerk limits do not apply";
+    assert!(stream.errors.contains(warned), "{}", stream.errors);
 }
