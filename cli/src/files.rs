@@ -71,6 +71,32 @@ pub(crate) fn has_key(name: &str, text: &str, key: &str) -> bool {
     value.is_ok_and(|value| value.get(key).is_some())
 }
 
+/// The shapes that a segment of a program may have.
+const SHAPES: [&str; 4] = ["joint", "line", "arc", "spline"];
+
+/// Reads a program. Two shapes in one segment are named; the readers of the formats call the second a duplicate of the first.
+pub(crate) fn program(name: &str, text: &str) -> Result<v1::PlanPathRequest, Failure> {
+    let failure = match message(name, text) {
+        Ok(program) => return Ok(program),
+        Err(failure) => failure,
+    };
+    let value: Result<serde_json::Value, _> = Format::of(name, text).parse(text);
+    let segments = value.ok().and_then(|value| value["segments"].as_array().cloned());
+    for (index, segment) in segments.unwrap_or_default().iter().enumerate() {
+        let given: Vec<&str> = SHAPES
+            .into_iter()
+            .filter(|shape| segment.get(shape).is_some())
+            .collect();
+        if given.len() > 1 {
+            let message = format!("segment {index} has {}, a segment has one shape", given.join(" and "));
+            return Err(
+                wrong(name, &message).hint("make each shape a segment of its own, with a dash before it in YAML")
+            );
+        }
+    }
+    Err(failure)
+}
+
 /// Reads a description: as such, or as the whole request to register one.
 pub(crate) fn description(name: &str, text: &str) -> Result<v1::RobotDescription, Failure> {
     if has_key(name, text, "description") {
@@ -90,7 +116,9 @@ pub(crate) fn joints(name: &str, text: &str) -> Result<Vec<v1::JointDescription>
     if Format::of(name, text) == Format::Toml || has_key(name, text, "joints") {
         return message(name, text).map(|Joints { joints }| joints);
     }
-    message(name, text)
+    message(name, text).map_err(|failure: Failure| {
+        failure.hint("a list of joints is wanted, bare or under `joints`, as in: [{\"name\": \"elbow\", \"limits\": {\"velocity\": 2}}]")
+    })
 }
 
 /// Reads what is to be checked: a request, a trajectory, or the reply to a plan with its set-points.
@@ -188,6 +216,23 @@ mod tests {
         assert!(!text.contains("<input>") && text.contains("j.yaml:2"), "{text}");
         assert!(joints("j.toml", "[[joint]]\nname = \"a\"\n").is_err());
         assert!(description("d.json", r#"{"urdff": ""}"#).is_err());
+    }
+
+    #[test]
+    fn two_shapes_in_one_segment_are_named() {
+        let yaml = "segments:\n- joint: {target: {position: [0]}}\n- line: {}\n  arc: {}\n";
+        let json = r#"{"segments": [{"joint": {}}, {"line": {}, "arc": {}}]}"#;
+        for (name, text) in [("p.yaml", yaml), ("p.json", json)] {
+            let said = program(name, text).unwrap_err().render(false);
+            assert!(said.contains("segment 1 has line and arc"), "{said}");
+        }
+        assert_eq!(program("p.yaml", "segments:\n- joint: {}\n").unwrap().segments.len(), 1);
+    }
+
+    #[test]
+    fn joints_that_are_no_list_are_refused_with_what_is_wanted() {
+        let said = joints("limits.json", r#"{"limits": []}"#).unwrap_err().render(false);
+        assert!(said.contains("a list of joints is wanted"), "{said}");
     }
 
     #[test]

@@ -11,6 +11,7 @@ mod io;
 mod log;
 mod numbers;
 mod render;
+mod sheet;
 mod telemetry;
 
 pub use crate::io::{Io, Terminal};

@@ -52,6 +52,15 @@ pub(crate) fn part(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A probability: `95%` or `0.95`; a plain 95 is most likely meant as a percentage, and asked for as such.
+pub(crate) fn level(text: &str) -> Result<f64, String> {
+    let level = part(text)?;
+    match level > 1.0 {
+        true if !text.contains('%') => Err(format!("{level} is above 1: write it as {level}% or {}", level / 100.0)),
+        _ => Ok(level),
+    }
+}
+
 fn finite(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let value: f64 = text.parse().map_err(|_| match text {
@@ -161,6 +170,13 @@ mod tests {
             assert!(error.contains(part), "{text}: {error}");
         }
         assert!("1;2".parse::<Numbers>().is_err());
+    }
+
+    #[test]
+    fn a_level_is_a_percentage_or_a_part() {
+        assert_eq!(level("95%"), Ok(0.95));
+        assert_eq!(level(" 0.95 "), Ok(0.95));
+        assert_eq!(level("95"), Err("95 is above 1: write it as 95% or 0.95".to_owned()));
     }
 
     #[test]

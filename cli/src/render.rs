@@ -1,5 +1,6 @@
 //! Forms of output. Everything here is a function of messages to text.
 
+pub(crate) mod bench;
 pub(crate) mod check;
 pub(crate) mod confidence;
 pub(crate) mod csv;

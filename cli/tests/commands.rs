@@ -4,6 +4,10 @@
 
 #[path = "commands/drive.rs"]
 mod drive;
+#[path = "commands/fit.rs"]
+mod fit;
+#[path = "commands/rehearse.rs"]
+mod rehearse;
 
 use std::{
     ffi::OsString,
@@ -224,7 +228,9 @@ fn a_program_is_drawn_written_and_printed_for_controllers() {
     let said = call(&server, &with(&line, &files), "");
     assert_eq!(said.code, exit::OK, "{}", said.errors);
     assert!(said.output.contains("velocity [rad/s]"), "{}", said.output);
-    assert_eq!(std::fs::read_to_string(svg).unwrap().matches("<polyline").count(), 12);
+    let svg = std::fs::read_to_string(svg).unwrap();
+    assert_eq!(svg.matches("<polyline").count(), 1 + 12, "the tool and six joints");
+    assert!(svg.contains("speed of the tool [m/s]") && said.output.contains("speed of the tool [m/s]"));
     assert!(
         std::fs::read_to_string(html)
             .unwrap()
@@ -274,6 +280,15 @@ fn a_program_that_cannot_be_run_says_where() {
     assert_eq!(said.code, exit::NO, "{}", said.errors);
     assert!(
         said.output.contains("infeasible") && said.output.contains("segment 4"),
+        "{}",
+        said.output
+    );
+    let heavy = text.replace("mass_kg: 1.5", "mass_kg: 40");
+    assert_ne!(text, heavy);
+    let said = call(&server, &["plan", "path", "ur5e", "-"], &heavy);
+    assert_eq!(said.code, exit::NO, "{}", said.errors);
+    assert!(
+        said.output.contains("kg would do") && said.output.contains("carry at most"),
         "{}",
         said.output
     );

@@ -60,6 +60,17 @@ pub struct Confident<O> {
     pub band: Option<f64>,
 }
 
+impl<O> Confident<O> {
+    /// An answer as it is, where no confidence was asked for.
+    pub fn without(outcome: O) -> Self {
+        Self {
+            outcome,
+            report: None,
+            band: None,
+        }
+    }
+}
+
 /// What a confidence cost.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConfidenceReport {

@@ -28,7 +28,6 @@ mod fault;
 mod follow;
 mod guided;
 mod inverse;
-pub(crate) mod motion;
 pub mod outcome;
 mod pace;
 mod passage;

@@ -2,7 +2,7 @@
 
 mod check;
 mod endpoint;
-mod feasible;
+pub(crate) mod feasible;
 mod limiting;
 pub(crate) mod margin;
 pub mod outcome;

@@ -1,12 +1,11 @@
 //! What runs on the planner's threads: from a request and a robot to the answer. Pure.
 
-mod confident;
 mod dynamics;
 mod estimate;
 mod finite;
 mod fit;
 mod motor;
-mod path;
+mod planned;
 mod propose;
 mod rehearse;
 mod stream;
@@ -17,12 +16,8 @@ use prost::Message;
 use takt_motion::{
     Invalid,
     budget::Budget,
-    confidence::Confident,
-    drive::rehearse::request::Motion,
-    plan::{
-        self,
-        outcome::{MoveOutcome, Setpoints},
-    },
+    confidence::{self, Confident},
+    plan::{self, outcome::Setpoints},
     robot::{Robot, spec::RobotSpec, urdf_writer},
 };
 use takt_proto::{
@@ -30,13 +25,12 @@ use takt_proto::{
     id::{RobotId, content_hash},
     v1,
 };
-use tracing::Span;
 
+use self::planned::planned;
 pub(crate) use self::{
     dynamics::{forward_kinematics, inverse_dynamics, inverse_kinematics},
     estimate::Estimating,
     fit::fit_drive,
-    path::plan_path,
     rehearse::rehearse,
     stream::stream_setpoints,
 };
@@ -225,15 +219,6 @@ pub(crate) fn urdf(robot: &Robot, id: &RobotId) -> String {
     urdf_writer::write(robot.spec(), id.as_str())
 }
 
-/// A plan before it is written.
-struct Planned<O> {
-    robot: Arc<Compiled>,
-    outcome: O,
-    /// Where asked for.
-    motors: Option<motor::Motors>,
-    provenance: v1::Provenance,
-}
-
 /// Plans a move.
 pub(crate) fn plan_move(
     request: v1::PlanMoveRequest,
@@ -242,11 +227,11 @@ pub(crate) fn plan_move(
     deadline: Instant,
     budget: &Budget<'_>,
 ) -> Result<v1::PlanMoveResponse, ServiceError> {
-    let planned = planned_move(request, subject, limits, deadline, budget)?;
+    let planned = planned(request, subject, limits, deadline, budget)?;
     let spec = planned.robot.robot.spec();
     let mut outcome = convert::confidence::move_to_wire(planned.outcome, spec);
-    if let (v1::plan_move_response::Outcome::Plan(plan), Some(motors)) = (&mut outcome, &planned.motors) {
-        motor::add(motors, &mut plan.setpoints, &mut plan.warnings, spec)?;
+    if let v1::plan_move_response::Outcome::Plan(plan) = &mut outcome {
+        motor::add_all(planned.motors.as_ref(), &mut plan.setpoints, &mut plan.warnings, spec);
     }
     Ok(v1::PlanMoveResponse {
         outcome: Some(outcome),
@@ -254,46 +239,23 @@ pub(crate) fn plan_move(
     })
 }
 
-fn planned_move(
-    mut request: v1::PlanMoveRequest,
+/// Plans a robot program.
+pub(crate) fn plan_path(
+    request: v1::PlanPathRequest,
     subject: Subject,
     limits: &Limits,
     deadline: Instant,
     budget: &Budget<'_>,
-) -> Result<Planned<Confident<MoveOutcome>>, ServiceError> {
-    let mut reading = Reading::of(&mut request, subject);
-    check_trace(&mut reading.findings, request.trace_points, limits);
-    let period = request.sample_period_s;
-    let wants_motors = motor::is_asked(request.motor_setpoints, period, &mut reading.findings);
-    let asked = request.confidence;
-    let confidence = reading.convert(|spec, findings| convert::confidence::read(asked.as_ref(), spec, findings));
-    confident::check_motors(wants_motors, confidence, &mut reading.findings);
-    let request = reading.convert(|spec, findings| convert::plan::move_request(request, spec, findings));
-    reading.look_further(|robot, budget| plan::plan_move(robot, &request, budget));
-    let (robot, provenance) = reading.checked()?;
-    let outcome = confident::plan_move(&robot.robot, &request, confidence, budget);
-    let outcome = outcome.map_err(|failure| failed(failure, deadline))?;
-    let (name, setpoints) = match &outcome.outcome {
-        MoveOutcome::Plan(plan) => ("plan", plan.setpoints.as_ref()),
-        MoveOutcome::Infeasible(_) => ("infeasible", None),
-    };
-    check_setpoints(setpoints, limits)?;
-    if !(finite::outcome(&outcome.outcome) && finite::confidence(&outcome)) {
-        return Err(not_finite());
+) -> Result<v1::PlanPathResponse, ServiceError> {
+    let planned = planned(request, subject, limits, deadline, budget)?;
+    let spec = planned.robot.robot.spec();
+    let mut outcome = convert::confidence::path_to_wire(planned.outcome, spec);
+    if let v1::plan_path_response::Outcome::Plan(plan) = &mut outcome {
+        motor::add_all(planned.motors.as_ref(), &mut plan.setpoints, &mut plan.warnings, spec);
     }
-    Span::current().record("outcome", name);
-    let motors = match (&outcome.outcome, period.filter(|_| wants_motors)) {
-        (MoveOutcome::Plan(_), Some(period)) => {
-            let motion = Motion::Move(Box::new(request));
-            Some(motor::motors(&robot.robot, &motion, period, deadline, budget)?)
-        }
-        _ => None,
-    };
-    Ok(Planned {
-        robot,
-        outcome,
-        motors,
-        provenance,
+    Ok(v1::PlanPathResponse {
+        outcome: Some(outcome),
+        provenance: Some(planned.provenance),
     })
 }
 
@@ -345,7 +307,10 @@ pub(crate) fn check_trajectory(
     let request = reading.convert(|spec, findings| convert::plan::check_request(request, spec, findings));
     reading.look_further(|robot, budget| plan::check_trajectory(robot, &request, budget));
     let (robot, provenance) = reading.checked()?;
-    let report = confident::check_trajectory(&robot.robot, &request, confidence, budget);
+    let report = match confidence {
+        Some(confidence) => confidence::check_trajectory(&robot.robot, &request, confidence, budget),
+        None => plan::check_trajectory(&robot.robot, &request, budget).map(Confident::without),
+    };
     let report = report.map_err(|failure| failed(failure, deadline))?;
     if !(finite::report(&report.outcome) && finite::confidence(&report)) {
         return Err(not_finite());

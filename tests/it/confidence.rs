@@ -44,6 +44,18 @@ fn confident(level: f64, over: v1::confidence::Over) -> Option<v1::Confidence> {
     })
 }
 
+fn joint_segment(position: &[f64]) -> v1::PathSegment {
+    v1::PathSegment {
+        shape: Some(v1::path_segment::Shape::Joint(v1::JointSegment {
+            target: Some(v1::Target {
+                position: position.to_vec(),
+                ..Default::default()
+            }),
+        })),
+        ..Default::default()
+    }
+}
+
 #[tokio::test]
 async fn both_protocols_hold_the_same_limits_at_the_same_cost() {
     use v1::confidence::Over;
@@ -94,22 +106,12 @@ async fn programs_and_checks_take_a_confidence_too() {
     for protocol in Protocol::BOTH {
         let client = server.client(protocol);
         client.register_robot(fitted()).await.unwrap();
-        let joints = |position: &[f64]| v1::Target {
-            position: position.to_vec(),
-            ..Default::default()
-        };
-        let segment = v1::PathSegment {
-            shape: Some(v1::path_segment::Shape::Joint(v1::JointSegment {
-                target: Some(joints(&[0.8, -0.4])),
-            })),
-            ..Default::default()
-        };
         let program = v1::PlanPathRequest {
             robot_id: "fitted".to_owned(),
             start: Some(v1::JointPosition {
                 position: vec![0.0, 0.3],
             }),
-            segments: vec![segment],
+            segments: vec![joint_segment(&[0.8, -0.4])],
             confidence: confident(0.9, v1::confidence::Over::Sample),
             ..Default::default()
         };
@@ -162,5 +164,68 @@ async fn what_no_speed_lets_hold_is_refused_with_its_band() {
             );
         }
         other => panic!("{other:?}"),
+    }
+}
+
+/// Motors follow the plan that holds at the confidence, not the faster one without.
+#[tokio::test]
+async fn motors_have_set_points_of_plans_at_a_confidence() {
+    use v1::confidence::Over;
+    let server = TestServer::start().await;
+    server.client(Protocol::Grpc).register_robot(fitted()).await.unwrap();
+    for protocol in Protocol::BOTH {
+        let client = server.client(protocol);
+        let move_of = |motors| v1::PlanMoveRequest {
+            sample_period_s: Some(0.002),
+            motor_setpoints: motors,
+            confidence: confident(0.95, Over::Move),
+            ..plan_move("fitted", &[0.0, 0.3], &[1.2, -0.6])
+        };
+        let mut found = Vec::new();
+        for motors in [None, Some(true)] {
+            let reply = client.plan_move(move_of(motors)).await.unwrap();
+            let Some(Outcome::Plan(plan)) = reply.outcome else {
+                panic!("{:?}", reply.outcome)
+            };
+            assert!(plan.confidence.is_some());
+            found.push(plan.setpoints.unwrap());
+        }
+        let (joints, motors) = (&found[0], &found[1]);
+        assert_eq!(joints.time_s, motors.time_s);
+        follows(motors);
+
+        let path = v1::PlanPathRequest {
+            robot_id: "fitted".to_owned(),
+            start: Some(v1::JointPosition {
+                position: vec![0.0, 0.3],
+            }),
+            segments: vec![joint_segment(&[1.2, -0.6])],
+            sample_period_s: Some(0.002),
+            motor_setpoints: Some(true),
+            confidence: confident(0.95, Over::Move),
+            ..Default::default()
+        };
+        let reply = client.plan_path(path).await.unwrap();
+        let Some(OfPath::Plan(plan)) = reply.outcome else {
+            panic!("{:?}", reply.outcome)
+        };
+        follows(&plan.setpoints.unwrap());
+    }
+}
+
+/// The arm's joints are rigid and their motors have a ratio of one: each gives what its joint takes, but at the ends, where
+/// friction depends on which way the next moment goes.
+fn follows(setpoints: &v1::Setpoints) {
+    let count = setpoints.time_s.len();
+    for joint in &setpoints.joints {
+        assert_eq!(joint.motor_torque.len(), count);
+        let inner = joint.motor_torque.iter().zip(&joint.torque).skip(1).take(count - 2);
+        for (motor, torque) in inner {
+            assert!(
+                (motor - torque).abs() < 1e-6 * torque.abs().max(1.0),
+                "{} {motor} {torque}",
+                joint.joint
+            );
+        }
     }
 }

@@ -136,3 +136,43 @@ async fn a_looser_limit_of_a_segment_is_named() {
         assert_eq!(error.violations()[0].field, "segments[1].limits.joints[0].velocity");
     }
 }
+
+/// A payload that is too heavy for a pose comes with the one that would do.
+#[tokio::test]
+async fn a_payload_that_cannot_be_held_is_told_the_one_that_can() {
+    let server = TestServer::start().await;
+    for protocol in Protocol::BOTH {
+        let client = server.client(protocol);
+        let lift = |mass_kg: f64| v1::PlanPathRequest {
+            robot_id: "ur5e".to_owned(),
+            start: Some(v1::JointPosition {
+                position: vec![0.0, -1.57, 0.0, -1.57, 0.0, 0.0],
+            }),
+            payload: Some(v1::Payload {
+                mass_kg: Some(mass_kg),
+                ..Default::default()
+            }),
+            segments: vec![v1::PathSegment {
+                shape: Some(v1::path_segment::Shape::Joint(v1::JointSegment {
+                    target: Some(v1::Target {
+                        position: vec![0.0, 0.0, 0.0, -1.57, 0.0, 0.0],
+                        ..Default::default()
+                    }),
+                })),
+                ..Default::default()
+            }],
+            ..Default::default()
+        };
+        let Some(Outcome::Infeasible(no)) = client.plan_path(lift(40.0)).await.unwrap().outcome else {
+            panic!("40 kg at arm's length")
+        };
+        let most = no.feasible_payload_kg.unwrap();
+        assert!(0.0 < most && most < 40.0, "{no:?}");
+        assert!(no.suggestion.starts_with("carry at most"), "{no:?}");
+        let outcome = |reply: v1::PlanPathResponse| reply.outcome.unwrap();
+        let less = outcome(client.plan_path(lift(0.98 * most)).await.unwrap());
+        assert!(matches!(less, Outcome::Plan(_)), "{most} {less:?}");
+        let more = outcome(client.plan_path(lift(1.02 * most)).await.unwrap());
+        assert!(matches!(more, Outcome::Infeasible(_)), "{most}");
+    }
+}

@@ -10,30 +10,33 @@ use takt_client::{
 use takt_server::{Config, Limits};
 use takt_tests::{
     Protocol, TestServer,
-    fixtures::{good_move, good_stream},
+    fixtures::{good_move, good_stream, plan_move},
 };
 
 const LINES: &str = "application/x-ndjson";
 
-#[tokio::test]
-async fn a_stream_is_the_plan_and_its_set_points_piece_by_piece() {
-    let server = TestServer::start().await;
+/// Streams a move in pieces of seven, and expects the set-points of the same plan in one piece.
+async fn is_streamed_whole(server: &TestServer, robot: &str, request: v1::PlanMoveRequest) -> v1::Setpoints {
+    let mut both = Vec::new();
     for protocol in Protocol::BOTH {
         let client = server.client(protocol);
-        let whole = v1::PlanMoveRequest {
-            sample_period_s: Some(0.004),
-            ..good_move()
-        };
-        let mut expected = client.plan_move(whole).await.unwrap();
+        let mut expected = client.plan_move(request.clone()).await.unwrap();
         let setpoints = match &mut expected.outcome {
             Some(Outcome::Plan(plan)) => plan.setpoints.take().unwrap(),
             other => panic!("{other:?}"),
         };
-        let request = v1::StreamSetpointsRequest {
+        let streamed = v1::StreamSetpointsRequest {
+            robot_id: robot.to_owned(),
             chunk_points: Some(7),
-            ..good_stream(0.004)
+            // What stands beside the motion counts for it.
+            motion: Some(v1::stream_setpoints_request::Motion::Move(v1::PlanMoveRequest {
+                robot_id: String::new(),
+                sample_period_s: None,
+                ..request.clone()
+            })),
+            sample_period_s: request.sample_period_s,
         };
-        let mut stream = client.stream_setpoints(request).await.unwrap();
+        let mut stream = client.stream_setpoints(streamed).await.unwrap();
         let header = stream.header().clone();
         assert_eq!(
             header.answer,
@@ -51,12 +54,43 @@ async fn a_stream_is_the_plan_and_its_set_points_piece_by_piece() {
         }
         assert!(is_last);
         assert_eq!(found, setpoints, "{protocol:?}");
+        both.push(found);
+    }
+    assert_eq!(both[0], both[1]);
+    both.remove(0)
+}
+
+#[tokio::test]
+async fn a_stream_is_the_plan_and_its_set_points_piece_by_piece() {
+    let server = TestServer::start().await;
+    let request = v1::PlanMoveRequest {
+        sample_period_s: Some(0.004),
+        ..good_move()
+    };
+    is_streamed_whole(&server, "ur5e", request).await;
+}
+
+#[tokio::test]
+async fn set_points_of_motors_are_streamed_with_those_of_joints() {
+    let server = TestServer::start().await;
+    let request = v1::PlanMoveRequest {
+        sample_period_s: Some(0.004),
+        motor_setpoints: Some(true),
+        ..plan_move("scara", &[-1.0, 1.0, 0.1, 0.0], &[-0.5, 0.6, 0.12, 0.4])
+    };
+    let found = is_streamed_whole(&server, "scara", request).await;
+    assert!(found.exact_motor_points.is_some());
+    for joint in &found.joints {
+        assert_eq!(joint.motor_torque.len(), found.time_s.len(), "{}", joint.joint);
     }
 }
 
 fn append(all: &mut v1::Setpoints, piece: v1::Setpoints) {
     assert!((1..=7).contains(&piece.time_s.len()));
     all.time_s.extend(piece.time_s);
+    if let Some(exact) = piece.exact_motor_points {
+        *all.exact_motor_points.get_or_insert_default() += exact;
+    }
     if all.joints.is_empty() {
         all.joints = piece.joints;
         return;
@@ -67,6 +101,8 @@ fn append(all: &mut v1::Setpoints, piece: v1::Setpoints) {
         all.velocity.extend(piece.velocity);
         all.acceleration.extend(piece.acceleration);
         all.torque.extend(piece.torque);
+        all.motor_torque.extend(piece.motor_torque);
+        all.motor_current_a.extend(piece.motor_current_a);
     }
 }
 

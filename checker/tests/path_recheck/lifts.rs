@@ -6,7 +6,7 @@ use takt_checker::path::bounds::{self, JointBounds};
 use takt_checker::path::report::PathReport;
 use takt_checker::{Density, recheck_path};
 use takt_motion::path::outcome::{
-    LimitCost, LimitingStretch, Location, PathLimit, PathLimitUse, PathPlan, PathSetpoints, SegmentReport,
+    LimitCost, LimitingStretch, Location, PathLimit, PathLimitUse, PathPlan, PathSetpoints, SegmentReport, Smoothness,
 };
 use takt_motion::path::request::{PathRequest, Segment, Shape, Target, ToolLimits};
 use takt_motion::plan::outcome::{JointColumns, Phase, Setpoints, TorqueMargin};
@@ -143,6 +143,7 @@ impl Lifts {
             },
             locations: Vec::new(),
             tool_speed: Vec::new(),
+            jerk: Vec::new(),
         };
         for index in 0..count {
             let part = index as f64 / (count - 1) as f64;
@@ -197,6 +198,7 @@ impl Lifts {
             constant_speed: None,
             override_safe: None,
             setpoints: Some(setpoints),
+            smoothness: Smoothness::default(),
             warnings: Vec::new(),
             torque_utilization: self.request.torque_utilization,
             speed_scale: self.request.speed_scale,

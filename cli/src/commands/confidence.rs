@@ -9,7 +9,7 @@ use crate::numbers;
 #[derive(Debug, Args)]
 pub(super) struct ConfidenceArgs {
     /// Hold torque limits at this confidence, as in 95% or 0.95, given how well the model is known.
-    #[arg(long, value_name = "LEVEL", value_parser = numbers::part)]
+    #[arg(long, value_name = "LEVEL", value_parser = numbers::level)]
     confidence: Option<f64>,
     /// Of the whole motion and all joints at once, not of any one sample.
     #[arg(long, requires = "confidence")]

@@ -1,5 +1,6 @@
 //! `takt drive`.
 
+mod bench;
 mod commit;
 mod estimate;
 mod fit;
@@ -14,6 +15,9 @@ use crate::{failure::Failure, io::Io};
 pub(crate) enum DriveCommand {
     Estimate(Box<estimate::EstimateArgs>),
     Fit(Box<fit::FitArgs>),
+    FitStiffness(bench::StiffnessArgs),
+    FitDamping(bench::DampingArgs),
+    FitConstantSpeed(bench::ConstantSpeedArgs),
     Commit(commit::CommitArgs),
 }
 
@@ -21,6 +25,9 @@ pub(crate) async fn run(command: DriveCommand, client: &Client, io: &mut Io) -> 
     match command {
         DriveCommand::Estimate(args) => estimate::run(*args, client, io).await,
         DriveCommand::Fit(args) => fit::run(*args, client, io).await,
+        DriveCommand::FitStiffness(args) => bench::stiffness(args, client, io).await,
+        DriveCommand::FitDamping(args) => bench::damping(args, client, io).await,
+        DriveCommand::FitConstantSpeed(args) => bench::constant_speed(args, client, io).await,
         DriveCommand::Commit(args) => commit::run(args, client, io).await,
     }
 }

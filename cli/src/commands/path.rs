@@ -104,7 +104,7 @@ pub(super) async fn run(args: PathArgs, client: &Client, io: &mut Io) -> Result<
 
 /// The program, with what the options put in the place of its fields.
 fn request(args: &PathArgs, io: &mut Io) -> Result<v1::PlanPathRequest, Failure> {
-    let mut request: v1::PlanPathRequest = files::message(&args.program, &files::read(&args.program, io)?)?;
+    let mut request = files::program(&args.program, &files::read(&args.program, io)?)?;
     request.robot_id.clone_from(&args.robot_id);
     if !args.limit.is_empty() {
         let all = request.limits.get_or_insert_default();
@@ -139,8 +139,7 @@ fn show(
     if !output.draws() {
         return Ok(());
     }
-    let tightened = request.limits.as_ref().map_or(&[][..], |limits| &limits.joints);
-    let curves = Curves::of_path(plan, robot, tightened, units)
+    let curves = Curves::of_path(plan, robot, request, units)
         .ok_or_else(|| Failure::service("the reply came without samples, so there is nothing to draw"))?;
     if output.plot {
         let picture = terminal_plot::render(&curves, io.terminal.width, io.terminal.colour);

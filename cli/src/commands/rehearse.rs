@@ -28,10 +28,10 @@ const TRACE_POINTS: f64 = 400.0;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  takt rehearse ur5e --from 0,-90deg,0,0,0,0 --to 1,-1,1,0,0,0 --friction 1.5
-  takt rehearse ur5e --program examples/pick_and_place.yaml --friction 0.5 --plot
-  takt rehearse ur5e --program move.json --friction elbow_joint=2 --drift 0.1 --settle 1s
-  takt rehearse ur5e --program rehearsal.yaml --json          a whole request of the API
+  takt rehearse scara --from -1,1,0.1,0 --to 1,0.6,0.12,0.4 --friction 1.5
+  takt rehearse scara --program examples/scara_pick_and_place.yaml --friction 150% --plot
+  takt rehearse scara --program move.json --friction elbow=2 --drift 0.1 --settle 1s
+  takt rehearse scara --program rehearsal.yaml --json         a whole request of the API
 
 The arm swings against its transmissions where the model has their stiffness and the rotors' inertia; elsewhere they are
 rigid. The model's friction is what the controller begins with; --friction is by how much the arm's own differs.
@@ -62,7 +62,7 @@ pub(crate) struct RehearseArgs {
     /// A program, a trajectory, or a whole request; - for standard input.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["from", "to"])]
     program: Option<String>,
-    /// True friction over the model's: 1.5, or of one joint elbow_joint=1.5; may be given several times.
+    /// True friction over the model's: 1.5 or 150% is half as much again, of one joint elbow_joint=1.5; may be given several times.
     #[arg(long, value_name = "[JOINT=]RATIO", value_parser = of_joint)]
     friction: Vec<(String, f64)>,
     /// By how much that ratio changes every second, as in 0.1 or elbow_joint=-0.05.
@@ -94,14 +94,12 @@ pub(crate) struct RehearseArgs {
     svg: Option<String>,
 }
 
-/// `1.5` is of every joint, `elbow=1.5` of one.
+/// `1.5` or `150%` is of every joint, `elbow=1.5` of one.
 fn of_joint(text: &str) -> Result<(String, f64), String> {
     let (joint, value) = text.rsplit_once('=').unwrap_or(("", text));
-    let value: f64 = value.trim().parse().map_err(|_| format!("{value:?} is no number"))?;
-    match value.is_finite() {
-        true => Ok((joint.trim().to_owned(), value)),
-        false => Err(format!("{value} is not a finite number")),
-    }
+    let value = numbers::part(value)
+        .map_err(|error| format!("{error}; write it as 1.5 or 150%, of one joint as elbow_joint=1.5"))?;
+    Ok((joint.trim().to_owned(), value))
 }
 
 pub(crate) async fn run(args: RehearseArgs, client: &Client, io: &mut Io) -> Result<u8, Failure> {
@@ -223,7 +221,7 @@ fn of_file(name: &str, text: &str) -> Result<v1::RehearseRequest, Failure> {
     let motion = if has("move") || has("path") || has("setpoints") {
         return files::message(name, text);
     } else if has("segments") {
-        Motion::Path(files::message(name, text)?)
+        Motion::Path(files::program(name, text)?)
     } else if has("trajectory") {
         Motion::Setpoints(files::message(name, text)?)
     } else {

@@ -22,6 +22,7 @@ use crate::{
 Examples:
   takt setpoints ur5e --from 0,-90deg,0,0,0,0 --to 1,-1,1,0,0,0 --sample-period 4ms
   takt setpoints ur5e --program examples/welding_seam.yaml --sample-period 4ms | to-the-controller
+  takt setpoints scara --program move.json --sample-period 1ms --motors      with feed-forward for the drives
   takt setpoints ur5e --program move.json --sample-period 1ms --json        a header, then chunks, one a line
 
 What reads slowly slows the stream down: nothing piles up. A reader that stops early ends it.
@@ -55,6 +56,9 @@ pub(crate) struct SetpointsArgs {
     /// Most set-points of one chunk, 1 to 200.
     #[arg(long, value_name = "COUNT")]
     chunk: Option<u32>,
+    /// Also torque and current of the motors, with the friction of the revision.
+    #[arg(long)]
+    motors: bool,
     /// Print the parts of the stream as they are, one a line.
     #[arg(long)]
     json: bool,
@@ -63,7 +67,7 @@ pub(crate) struct SetpointsArgs {
 pub(crate) async fn run(args: SetpointsArgs, client: &Client, io: &mut Io) -> Result<u8, Failure> {
     let request = v1::StreamSetpointsRequest {
         robot_id: args.robot_id.clone(),
-        motion: Some(motion(&args, io)?),
+        motion: Some(with_motors(motion(&args, io)?, args.motors)),
         sample_period_s: args.sample_period,
         chunk_points: args.chunk,
     };
@@ -76,6 +80,9 @@ pub(crate) async fn run(args: SetpointsArgs, client: &Client, io: &mut Io) -> Re
     if let Some(text) = refusal {
         io.remark(text.trim_end())?;
         return Ok(exit::NO);
+    }
+    for warning in warnings(&header) {
+        io.remark(&format!("warning: {warning}"))?;
     }
     let mut is_first = true;
     while let Some(chunk) = stream.next().await? {
@@ -98,7 +105,7 @@ fn motion(args: &SetpointsArgs, io: &mut Io) -> Result<Motion, Failure> {
     if let Some(file) = &args.program {
         let text = files::read(file, io)?;
         return match files::has_key(file, &text, "segments") {
-            true => files::message(file, &text).map(Motion::Path),
+            true => files::program(file, &text).map(Motion::Path),
             false => files::message(file, &text).map(Motion::Move),
         };
     }
@@ -113,6 +120,31 @@ fn motion(args: &SetpointsArgs, io: &mut Io) -> Result<Motion, Failure> {
         target: position(&args.to),
         ..Default::default()
     }))
+}
+
+/// Asks for set-points of the motors; what a file says of them stays where nothing is asked.
+fn with_motors(mut motion: Motion, motors: bool) -> Motion {
+    let asked = match &mut motion {
+        Motion::Move(request) => &mut request.motor_setpoints,
+        Motion::Path(request) => &mut request.motor_setpoints,
+    };
+    *asked = motors.then_some(true).or(*asked);
+    motion
+}
+
+/// What the plan warns of; motors without set-points are among it.
+fn warnings(header: &v1::SetpointsHeader) -> &[String] {
+    match &header.answer {
+        Some(Answer::Move(v1::PlanMoveResponse {
+            outcome: Some(plan_move_response::Outcome::Plan(plan)),
+            ..
+        })) => &plan.warnings,
+        Some(Answer::Path(v1::PlanPathResponse {
+            outcome: Some(plan_path_response::Outcome::Plan(plan)),
+            ..
+        })) => &plan.warnings,
+        _ => &[],
+    }
 }
 
 /// The evidence, where the motion is infeasible.

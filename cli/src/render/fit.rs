@@ -19,17 +19,24 @@ const POSE_SHARE: f64 = 0.3;
 /// A fit, for a person.
 pub(crate) fn fit(fit: &v1::MotionFit, robot: &v1::Robot, terminal: Terminal) -> String {
     let mut out = errors(fit, robot).render_for(terminal);
+    out.push_str(match fit.after {
+        Some(_) => ERRORS_WITH_TEST,
+        None => ERRORS,
+    });
     let _ = writeln!(
         out,
         "{} samples; {} of {} parameters determined by the motion{}",
         fit.sample_count,
         number(fit.determined, 4),
         fit.estimates.len(),
-        fit.ridge
-            .map_or_else(String::new, |ridge| format!("; ridge {}", number(ridge, 3)))
+        fit.ridge.map_or_else(String::new, |ridge| format!(
+            "; weight of the described bodies against it (ridge, by cross-validation) {}",
+            number(ridge, 3)
+        ))
     );
     out.push('\n');
     out.push_str(&estimates(fit, robot).render_for(terminal));
+    out.push_str(ESTIMATES);
     for joint in &fit.joints {
         if joint.pose_share > POSE_SHARE {
             let _ = writeln!(
@@ -48,51 +55,63 @@ pub(crate) fn fit(fit: &v1::MotionFit, robot: &v1::Robot, terminal: Terminal) ->
     out
 }
 
+/// What the columns of errors mean.
+const ERRORS: &str = "\
+error of the torque over the torque, rms. fitted: on what was fitted; left out: on stretches of it left out in turn
+how well the fit foretells other motion takes a part that was not fitted: --identify and --test
+";
+
+/// The same, with a part to be compared with.
+const ERRORS_WITH_TEST: &str = "\
+error of the torque over the torque, rms. fitted: on what was fitted; left out: on stretches of it left out in turn
+before, after: on the test part, with the model as it was and as fitted. 95 % within: so much of its errors is smaller; of peak: over the peak torque
+covered: samples within the 95 % band that the fitted model states; width: of that band over the narrowest constant one that holds 95 %
+";
+
+/// What the columns of estimates mean.
+const ESTIMATES: &str = "\
+before: what the description said. told: part of the value that the motion tells, the rest is the description's; 0 % is not known from this motion
+";
+
 fn percent(part: f64) -> String {
     format!("{:.1} %", 100.0 * part)
 }
 
 /// Torque errors by joint: of the fit, and of the part to be compared with.
 fn errors(fit: &v1::MotionFit, robot: &v1::Robot) -> Table {
-    let mut table = Table::new([
-        "joint",
-        "fitted",
-        "left out",
-        "model before",
-        "model after",
-        "95 % within",
-        "of peak",
-        "covered",
-        "width",
-    ])
-    .numbers_from(1);
+    let head = ["joint", "fitted", "left out"];
+    let of_test = ["before", "after", "95 % within", "of peak", "covered", "width"];
+    let of_test = if fit.after.is_some() { &of_test[..] } else { &[] };
+    let mut table = Table::new(head.iter().chain(of_test).copied()).numbers_from(1);
     let of = |assessment: &Option<v1::Assessment>, index: usize| {
         let assessment = assessment.as_ref();
         assessment.and_then(|assessment| assessment.joints.get(index).cloned())
     };
     let dash = || Cell::new("–", Tone::Dim);
     for (index, joint) in fit.joints.iter().enumerate() {
-        let (before, after) = (of(&fit.before, index), of(&fit.after, index));
-        let unit = Units::default().of(robot, &joint.joint).torque;
-        let interval = after.as_ref().and_then(|after| after.interval);
-        table.row([
+        let mut row = vec![
             Cell::from(joint.joint.clone()),
             Cell::from(percent(joint.fitted_error)),
             Cell::from(percent(joint.validated_error)),
-            before.map_or_else(dash, |before| percent(before.error).into()),
-            after
-                .as_ref()
-                .map_or_else(dash, |after| Cell::new(percent(after.error), Tone::Bold)),
-            after
-                .as_ref()
-                .map_or_else(dash, |after| format!("{} {unit}", number(after.percentile, 3)).into()),
-            after
-                .as_ref()
-                .and_then(|after| after.percentile_of_peak)
-                .map_or_else(dash, |part| percent(part).into()),
-            interval.map_or_else(dash, |interval| percent(interval.coverage).into()),
-            interval.map_or_else(dash, |interval| format!("x {:.2}", interval.over_narrowest).into()),
-        ]);
+        ];
+        if let Some(after) = of(&fit.after, index) {
+            let unit = Units::default().of(robot, &joint.joint).torque;
+            let before = of(&fit.before, index);
+            let peak = after.percentile_of_peak;
+            row.extend([
+                before.map_or_else(dash, |before| percent(before.error).into()),
+                Cell::new(percent(after.error), Tone::Bold),
+                format!("{} {unit}", number(after.percentile, 3)).into(),
+                peak.map_or_else(dash, |part| percent(part).into()),
+                after
+                    .interval
+                    .map_or_else(dash, |interval| percent(interval.coverage).into()),
+                after
+                    .interval
+                    .map_or_else(dash, |interval| format!("x {:.2}", interval.over_narrowest).into()),
+            ]);
+        }
+        table.row(row);
     }
     table
 }
@@ -119,9 +138,20 @@ fn estimates(fit: &v1::MotionFit, robot: &v1::Robot) -> Table {
     table
 }
 
-/// What the motion does not say, for a person.
-pub(crate) fn missing(missing: &v1::NotExcited, colour: bool) -> String {
-    let mut out = format!("{}\n", paint("the motion does not say enough:", Tone::Bad, colour));
+/// What to do with what a fit proposes; nothing where it changes nothing.
+pub(crate) fn proposal(proposal: Option<&v1::ModelProposal>, robot_id: &str) -> String {
+    let Some(proposal) = proposal else {
+        return String::new();
+    };
+    format!(
+        "changes {}; to store it as a new revision: the same with --json > fit.json, then takt drive commit {robot_id} fit.json\n",
+        proposal.joints.join(", ")
+    )
+}
+
+/// What was measured does not say, for a person; `what` with its verb, as in "motion does".
+pub(crate) fn missing(what: &str, missing: &v1::NotExcited, colour: bool) -> String {
+    let mut out = format!("{}\n", paint(&format!("the {what} not say enough:"), Tone::Bad, colour));
     for one in &missing.missing {
         let _ = writeln!(out, "  {}", one.message);
         let names: Vec<String> = one

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use takt_client::v1::{self, friction_coefficient::Term};
 
 use super::{
-    curves::{Curve, Curves, JointCurves},
+    curves::{Curve, Curves, JointCurves, Limit, Subject},
     table::{Cell, Table, Tone, number, paint},
     words::Units,
 };
@@ -176,18 +176,20 @@ impl History {
                 name,
                 unit,
                 values: values.clone(),
-                limit: None,
+                limit: Limit::None,
             };
             JointCurves {
                 joint: joint.clone(),
-                velocity: curve("Coulomb torque", if turns { "N m" } else { "N" }, coulomb),
-                torque: curve("viscous friction", if turns { "N m s/rad" } else { "N s/m" }, viscous),
+                left: curve("Coulomb torque", if turns { "N m" } else { "N" }, coulomb),
+                right: curve("viscous friction", if turns { "N m s/rad" } else { "N s/m" }, viscous),
                 switches: None,
             }
         });
         Curves {
             joints: joints.collect(),
             time: self.time.iter().map(|time| time - begin).collect(),
+            tool: None,
+            subject: Subject::Estimate,
         }
     }
 }

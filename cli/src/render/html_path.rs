@@ -87,7 +87,7 @@ mod tests {
     #[test]
     fn the_report_is_whole() {
         let (plan, robot) = (example::path(), example::robot());
-        let curves = Curves::of_path(&plan, &robot, &[], Units::default()).unwrap();
+        let curves = Curves::of_path(&plan, &robot, &v1::PlanPathRequest::default(), Units::default()).unwrap();
         let html = render(&plan, &example::provenance(), &robot, &curves, "{}");
         assert!(html.starts_with("<!doctype html>") && html.ends_with("</html>\n"));
         assert_eq!((html.matches("<svg ").count(), html.matches("<script").count()), (1, 0));

@@ -239,7 +239,7 @@ pub(crate) fn evidence(no: &v1::PathInfeasible, robot: &v1::Robot, colour: bool)
     let unit = Units::default().of(robot, &no.joint);
     let (reason, unit) = match no.reason() {
         Reason::Unspecified => ("no reason given", ""),
-        Reason::OutOfReach => ("a pose is out of reach", "m or rad"),
+        Reason::OutOfReach => ("a pose is out of reach", ""),
         Reason::Singularity => ("the path meets a singularity that it cannot pass", ""),
         Reason::JointRange => ("a joint would leave its range", unit.position),
         Reason::HoldingTorque => ("the pose cannot be held at rest", unit.torque),
@@ -259,8 +259,11 @@ pub(crate) fn evidence(no: &v1::PathInfeasible, robot: &v1::Robot, colour: bool)
     if !no.joint.is_empty() {
         line("joint", &no.joint);
     }
-    line("needed", format!("{} {unit}", number(no.needed, 5)).trim_end());
-    line("available", format!("{} {unit}", number(no.available, 5)).trim_end());
+    // How far a pose is out of reach, in m or in rad, is in the remedy.
+    if no.reason() != Reason::OutOfReach {
+        line("needed", format!("{} {unit}", number(no.needed, 5)).trim_end());
+        line("available", format!("{} {unit}", number(no.available, 5)).trim_end());
+    }
     if matches!(no.reason(), Reason::HoldingTorque | Reason::MovingTorque) {
         line(
             "of which",
@@ -270,6 +273,9 @@ pub(crate) fn evidence(no: &v1::PathInfeasible, robot: &v1::Robot, colour: bool)
     if let Some(band) = no.band {
         let text = format!("{} {unit} are the band of the confidence", number(band, 5));
         line("and", &text);
+    }
+    if let Some(mass) = no.feasible_payload_kg {
+        line("payload", &format!("up to {} kg would do", number(mass, 4)));
     }
     if let Some(part) = no.reachable_fraction {
         line("reachable", &format!("the first {:.1} % of the segment", 100.0 * part));

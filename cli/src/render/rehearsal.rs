@@ -5,7 +5,7 @@ use std::fmt::Write;
 use takt_client::v1::{self, rehearsal_run::End};
 
 use super::{
-    curves::{Curve, Curves, JointCurves},
+    curves::{Curve, Curves, JointCurves, Limit, Subject},
     table::{Cell, Table, Tone, number, paint},
     words::Units,
 };
@@ -13,45 +13,9 @@ use crate::io::Terminal;
 
 /// What became of it, for a person.
 pub(crate) fn report(rehearsal: &v1::Rehearsal, robot: &v1::Robot, terminal: Terminal) -> String {
-    let mut table = Table::new([
-        "joint",
-        "run",
-        "error peak",
-        "error rms",
-        "torque peak",
-        "margin",
-        "friction off",
-        "at the end",
-        "current peak",
-        "deformation",
-    ])
-    .numbers_from(2);
-    let (plain, adapted) = (joints(&rehearsal.plain), joints(&rehearsal.adapted));
-    for (plain, adapted) in plain.iter().zip(adapted) {
-        for (run, name, label) in [(plain, plain.joint.as_str(), "model"), (adapted, "", "adapted")] {
-            let unit = Units::default().of(robot, &run.joint);
-            let torque = |value: f64| format!("{} {}", number(value, 3), unit.torque);
-            let margin = match run.margin {
-                Some(margin) if margin < 0.0 => Cell::new(format!("{:.1} %", 100.0 * margin), Tone::Bad),
-                Some(margin) => Cell::from(format!("{:.1} %", 100.0 * margin)),
-                None => Cell::new("unknown", Tone::Dim),
-            };
-            let current = run.current_peak_a;
-            table.row([
-                Cell::from(name),
-                Cell::from(label),
-                Cell::from(format!("{} {}", number(run.position_error_peak, 3), unit.position)),
-                Cell::from(format!("{} {}", number(run.position_error_rms, 3), unit.position)),
-                Cell::from(torque(run.torque_peak)),
-                margin,
-                Cell::from(torque(run.friction_torque_error_rms)),
-                Cell::from(torque(run.friction_torque_error_rms_last)),
-                Cell::from(current.map_or_else(|| "–".to_owned(), |current| format!("{} A", number(current, 3)))),
-                Cell::from(format!("{} {}", number(run.deformation_peak, 3), unit.position)),
-            ]);
-        }
-    }
-    let mut out = table.render_for(terminal);
+    let mut out = table(rehearsal, robot).render_for(terminal);
+    out.push_str(LEGEND);
+    out.push('\n');
     for line in facts(rehearsal) {
         let _ = writeln!(out, "{line}");
     }
@@ -61,29 +25,110 @@ pub(crate) fn report(rehearsal: &v1::Rehearsal, robot: &v1::Robot, terminal: Ter
     out
 }
 
+/// What the columns mean.
+const LEGEND: &str = "\
+friction: what the controller takes it for, the model's or adapted while it runs. error: the joint's position less the planned one
+margin: (limit − largest torque asked for)/limit; planned: of the plan, with the model's friction. at limit: time that the limit cut it off
+friction off: assumed less true friction, rms; at the end: the same over the last quarter
+";
+
+/// Both runs of every joint. Columns of what the model does not have are left out.
+fn table(rehearsal: &v1::Rehearsal, robot: &v1::Robot) -> Table {
+    let (plain, adapted) = (joints(&rehearsal.plain), joints(&rehearsal.adapted));
+    let has_current = plain.iter().any(|run| run.current_peak_a.is_some());
+    let flexes = rehearsal.joints.iter().any(|joint| joint.flexible);
+    let mut head = vec![
+        "joint",
+        "friction",
+        "error peak",
+        "error rms",
+        "margin",
+        "planned",
+        "at limit",
+        "torque peak",
+        "friction off",
+        "at the end",
+    ];
+    head.extend(has_current.then_some("current peak"));
+    head.extend(flexes.then_some("deformation"));
+    let mut table = Table::new(head).numbers_from(2);
+    for ((joint, plain), adapted) in rehearsal.joints.iter().zip(plain).zip(adapted) {
+        for (run, name, label) in [(plain, plain.joint.as_str(), "model"), (adapted, "", "adapted")] {
+            let unit = Units::default().of(robot, &run.joint);
+            let position = |value: f64| format!("{} {}", number(value, 3), unit.position);
+            let torque = |value: f64| format!("{} {}", number(value, 3), unit.torque);
+            let planned = run
+                .torque_limit
+                .filter(|limit| *limit > 0.0)
+                .map(|limit| (limit - joint.planned_torque.abs()) / limit);
+            let limited = run.limited_time_s;
+            let mut row = vec![
+                Cell::from(name),
+                Cell::from(label),
+                Cell::from(position(run.position_error_peak)),
+                Cell::from(position(run.position_error_rms)),
+                margin(run.margin),
+                Cell::new(planned.map_or_else(|| "unknown".to_owned(), percent), Tone::Dim),
+                if limited > 0.0 {
+                    Cell::new(format!("{limited:.3} s"), Tone::Bad)
+                } else {
+                    Cell::new("–", Tone::Dim)
+                },
+                Cell::from(torque(run.torque_peak)),
+                Cell::from(torque(run.friction_torque_error_rms)),
+                Cell::from(torque(run.friction_torque_error_rms_last)),
+            ];
+            if has_current {
+                let current = run.current_peak_a.map(|current| format!("{} A", number(current, 3)));
+                row.push(current.map_or_else(|| Cell::new("–", Tone::Dim), Cell::from));
+            }
+            if flexes {
+                row.push(Cell::from(position(run.deformation_peak)));
+            }
+            table.row(row);
+        }
+    }
+    table
+}
+
+fn percent(part: f64) -> String {
+    format!("{:.1} %", 100.0 * part)
+}
+
+fn margin(margin: Option<f64>) -> Cell {
+    match margin {
+        Some(margin) if margin < 0.0 => Cell::new(percent(margin), Tone::Bad),
+        Some(margin) => Cell::from(percent(margin)),
+        None => Cell::new("unknown", Tone::Dim),
+    }
+}
+
 fn joints(run: &Option<v1::RehearsalRun>) -> &[v1::JointRun] {
     run.as_ref().map_or(&[], |run| &run.joints)
 }
 
 /// What is said of the runs as a whole.
 pub(crate) fn facts(rehearsal: &v1::Rehearsal) -> Vec<String> {
-    let mut lines = vec![format!(
-        "{:.3} s, {} steps of {} ms; the motor's acceleration is exact at {} of them, at the others its transmission counts as stiff",
+    let (flexible, rigid): (Vec<_>, Vec<_>) = rehearsal.joints.iter().partition(|joint| joint.flexible);
+    let steps = format!(
+        "{:.3} s, {} steps of {} ms",
         rehearsal.duration_s,
         rehearsal.steps,
-        number(1e3 * rehearsal.period_s, 4),
-        rehearsal.exact_steps
-    )];
-    let rigid: Vec<&str> = rehearsal
-        .joints
-        .iter()
-        .filter(|joint| !joint.flexible)
-        .map(|joint| joint.joint.as_str())
-        .collect();
-    if !rigid.is_empty() {
+        number(1e3 * rehearsal.period_s, 4)
+    );
+    // Where every joint is rigid a warning of the service says so, and the motors accelerate as their joints do.
+    let mut lines = match flexible.is_empty() {
+        true => vec![steps],
+        false => vec![format!(
+            "{steps}; the motor's acceleration is exact at {} of them, at the others its transmission counts as stiff",
+            rehearsal.exact_steps
+        )],
+    };
+    if !flexible.is_empty() && !rigid.is_empty() {
+        let names: Vec<&str> = rigid.iter().map(|joint| joint.joint.as_str()).collect();
         lines.push(format!(
             "rigid, as the model has no stiffness or no rotor inertia of them: {}",
-            rigid.join(", ")
+            names.join(", ")
         ));
     }
     for (run, label) in [
@@ -138,18 +183,20 @@ pub(crate) fn curves(rehearsal: &v1::Rehearsal, robot: &v1::Robot, units: Units)
                 name,
                 unit: unit.position,
                 values: pairs.map(|(is, planned)| unit.factor * (is - planned)).collect(),
-                limit: None,
+                limit: Limit::None,
             }
         };
         JointCurves {
             joint: plain.joint.clone(),
-            velocity: curve("off, model's friction", plain),
-            torque: curve("off, adapted", adapted),
+            left: curve("off, model's friction", plain),
+            right: curve("off, adapted", adapted),
             switches: None,
         }
     });
     Some(Curves {
         joints: joints.collect(),
         time: plain.time_s.clone(),
+        tool: None,
+        subject: Subject::Rehearsal,
     })
 }

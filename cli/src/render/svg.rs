@@ -1,11 +1,11 @@
-//! Curves as one SVG: a row a joint, speed at the left, torque at the right, each against its limits.
+//! Curves as one SVG: the tool's in a row of its own, then a row a joint with two panels, speed and torque, each against its limits.
 //!
 //! Colours are two of Okabe and Ito's palette, which colour-blind readers tell apart; limits are dashed besides.
 
 use std::fmt::Write;
 
 use super::{
-    curves::{Curve, Curves, JointCurves},
+    curves::{Curve, Curves, JointCurves, Limit, Subject},
     scale::{Axis, thinned},
     table::number,
 };
@@ -21,6 +21,11 @@ const WIDTH: f64 = 1120.0;
 const PANEL_WIDTH: f64 = 424.0;
 const PANEL_HEIGHT: f64 = 132.0;
 const PANELS_LEFT: [f64; 2] = [68.0, 622.0];
+/// The one panel of a row that has no second: up to where the second would end.
+const WIDE_PANEL: f64 = PANELS_LEFT[1] + PANEL_WIDTH - PANELS_LEFT[0];
+/// Characters of a title and of a line below it that fit the width in the widest font of the style.
+const TITLE_CHARACTERS: usize = 90;
+const LINE_CHARACTERS: usize = 150;
 /// Height of a joint's row: its name, the titles, the panel, the tick labels.
 const ROW: f64 = 214.0;
 const NAME_ABOVE: f64 = 30.0;
@@ -38,33 +43,41 @@ stroke:#fff;stroke-width:3px;stroke-linejoin:round}";
 
 /// The picture: a document of its own where it has a heading, else a part of one.
 pub(crate) fn render(curves: &Curves, heading: Option<&Heading>) -> String {
+    let title = heading.map_or("speed and torque of every joint", |heading| heading.title.as_str());
+    let above = heading.map_or_else(Vec::new, |heading| {
+        let titles = wrapped(&heading.title, TITLE_CHARACTERS)
+            .into_iter()
+            .map(|line| ("title", line));
+        let lines = heading.lines.iter().flat_map(|line| wrapped(line, LINE_CHARACTERS));
+        titles.chain(lines.map(|line| ("sub", line))).collect()
+    });
     #[allow(clippy::cast_precision_loss, reason = "a few lines and joints")]
     let (lines, rows) = (
-        heading.map_or(0, |heading| heading.lines.len()) as f64,
-        curves.joints.len() as f64,
+        above.len() as f64,
+        (curves.joints.len() + usize::from(curves.tool.is_some())) as f64,
     );
-    let legend_at = if heading.is_some() { 62.0 + 19.0 * lines } else { 18.0 };
+    let legend_at = if above.is_empty() { 18.0 } else { 43.0 + 19.0 * lines };
     let top = legend_at + 20.0;
     let height = top + ROW * rows + 26.0;
-    let title = heading.map_or("speed and torque of every joint", |heading| heading.title.as_str());
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height}\" width=\"{WIDTH}\" \
          height=\"{height}\" role=\"img\">\n<title>{}</title>\n<style>{STYLE}</style>\n\
          <rect width=\"{WIDTH}\" height=\"{height}\" fill=\"#fff\"/>\n",
         escape(title)
     );
-    if let Some(heading) = heading {
-        text(&mut out, 20.0, 36.0, "title", &heading.title);
-        let mut y = 36.0;
-        for line in &heading.lines {
-            y += 19.0;
-            text(&mut out, 20.0, y, "sub", line);
-        }
+    for ((class, line), row) in above.iter().zip(0_u32..) {
+        text(&mut out, 20.0, 36.0 + 19.0 * f64::from(row), class, line);
     }
-    legend(&mut out, legend_at);
+    legend(&mut out, legend_at, curves);
     let mut y = top;
+    if let Some(tool) = &curves.tool {
+        name(&mut out, "tool", y);
+        let frame = Frame::at(PANELS_LEFT[0], WIDE_PANEL, y);
+        panel(&mut out, &curves.time, tool, None, frame, upright(&[tool]));
+        y += ROW;
+    }
     for joint in &curves.joints {
-        row(&mut out, &curves.time, joint, y);
+        row(&mut out, curves, joint, y);
         y += ROW;
     }
     for left in PANELS_LEFT {
@@ -107,49 +120,123 @@ fn line(out: &mut String, class: &str, [x1, y1, x2, y2]: [f64; 4]) {
     );
 }
 
-fn legend(out: &mut String, y: f64) {
-    line(out, "curve", [20.0, y - 4.0, 48.0, y - 4.0]);
-    text(out, 55.0, y, "sub", "plan");
-    line(out, "limit", [104.0, y - 4.0, 132.0, y - 4.0]);
-    text(out, 139.0, y, "sub", "limit in force");
-    let _ = writeln!(out, "<circle class=\"peak\" cx=\"252\" cy=\"{:.1}\" r=\"4\"/>", y - 4.0);
-    text(out, 263.0, y, "sub", "tightest moment");
-    let _ = writeln!(
-        out,
-        "<rect x=\"380\" y=\"{:.1}\" width=\"28\" height=\"14\" class=\"phase\" stroke=\"#c4cad3\"/>",
-        y - 12.0
-    );
-    text(out, 415.0, y, "sub", "speeding up, slowing down");
+/// A text in lines of so many characters at most, broken between words; a word that is longer is broken itself.
+fn wrapped(text: &str, most: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        let fits = |line: &String| line.chars().count() + 1 + word.chars().count() <= most;
+        match lines.last_mut() {
+            Some(line) if fits(line) => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => {
+                let characters: Vec<char> = word.chars().collect();
+                lines.extend(characters.chunks(most).map(|part| part.iter().collect::<String>()));
+            }
+        }
+    }
+    lines
 }
 
-fn row(out: &mut String, time: &[f64], joint: &JointCurves, y: f64) {
-    line(out, "rule", [20.0, y - 2.0, WIDTH - 20.0, y - 2.0]);
-    text(out, 20.0, y + 20.0, "joint", &joint.joint);
-    for (curve, left) in [&joint.velocity, &joint.torque].into_iter().zip(PANELS_LEFT) {
-        panel(out, time, curve, joint.switches, left, y + NAME_ABOVE + 20.0);
+fn legend(out: &mut String, y: f64, curves: &Curves) {
+    /// About what a character of the legend is wide.
+    const CHARACTER: f64 = 6.6;
+    let mut x = 20.0;
+    let mut item = |out: &mut String, mark: &dyn Fn(&mut String, f64), words: &str| {
+        mark(out, x);
+        text(out, x + 35.0, y, "sub", words);
+        #[allow(clippy::cast_precision_loss, reason = "a few words")]
+        let wide = words.chars().count() as f64;
+        x += 35.0 + CHARACTER * wide + 24.0;
+    };
+    let stroke =
+        |class: &'static str| move |out: &mut String, x: f64| line(out, class, [x, y - 4.0, x + 28.0, y - 4.0]);
+    item(out, &stroke("curve"), curves.subject.line());
+    if curves.have_limits() {
+        item(out, &stroke("limit"), "limit in force");
+    }
+    let mark = |out: &mut String, x: f64| {
+        let (x, y) = (x + 22.0, y - 4.0);
+        let _ = writeln!(out, "<circle class=\"peak\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\"/>");
+    };
+    item(out, &mark, curves.subject.mark());
+    if curves.joints.iter().any(|joint| joint.switches.is_some()) {
+        let phase = |out: &mut String, x: f64| {
+            let _ = writeln!(
+                out,
+                "<rect x=\"{x:.1}\" y=\"{:.1}\" width=\"28\" height=\"14\" class=\"phase\" stroke=\"#c4cad3\"/>",
+                y - 12.0
+            );
+        };
+        item(out, &phase, "speeding up, slowing down");
     }
 }
 
-fn panel(out: &mut String, time: &[f64], curve: &Curve, switches: Option<(f64, f64)>, left: f64, top: f64) {
+fn name(out: &mut String, name: &str, y: f64) {
+    line(out, "rule", [20.0, y - 2.0, WIDTH - 20.0, y - 2.0]);
+    text(out, 20.0, y + 20.0, "joint", name);
+}
+
+fn row(out: &mut String, curves: &Curves, joint: &JointCurves, y: f64) {
+    name(out, &joint.joint, y);
+    let both = [&joint.left, &joint.right];
+    for (curve, left) in both.into_iter().zip(PANELS_LEFT) {
+        // Of a rehearsal both are the same quantity, and to be compared.
+        let up = match curves.subject {
+            Subject::Rehearsal => upright(&both),
+            Subject::Plan | Subject::Estimate => upright(&[curve]),
+        };
+        let frame = Frame::at(left, PANEL_WIDTH, y);
+        panel(out, &curves.time, curve, joint.switches, frame, up);
+    }
+}
+
+/// The upright axis on which curves and their limits are in sight.
+fn upright(curves: &[&Curve]) -> Axis {
+    let values = curves.iter().flat_map(|curve| {
+        let limits = curve.limits_in_sight();
+        curve.values.iter().copied().chain(limits)
+    });
+    Axis::around(values.chain([0.0])).padded(0.08)
+}
+
+/// Where a panel is.
+#[derive(Debug, Clone, Copy)]
+struct Frame {
+    left: f64,
+    top: f64,
+    width: f64,
+}
+
+impl Frame {
+    /// In the row that begins at `y`.
+    fn at(left: f64, width: f64, y: f64) -> Self {
+        let top = y + NAME_ABOVE + 20.0;
+        Self { left, top, width }
+    }
+}
+
+fn panel(out: &mut String, time: &[f64], curve: &Curve, switches: Option<(f64, f64)>, frame: Frame, up: Axis) {
+    let Frame { left, top, width } = frame;
     let end = time.last().copied().unwrap_or(0.0);
     let limits = curve.limits_in_sight();
     let across = Axis::around([0.0, end]);
-    let values = curve.values.iter().copied().chain(limits.iter().copied()).chain([0.0]);
-    let up = Axis::around(values).padded(0.08);
-    let x = |value: f64| left + PANEL_WIDTH * across.part(value);
+    let x = |value: f64| left + width * across.part(value);
     let y = |value: f64| top + PANEL_HEIGHT * (1.0 - up.part(value));
-    let (right, bottom) = (left + PANEL_WIDTH, top + PANEL_HEIGHT);
+    let (right, bottom) = (left + width, top + PANEL_HEIGHT);
 
     text(out, left, top - 8.0, "", &format!("{} [{}]", curve.name, curve.unit));
-    let summary = match curve.use_of_limit() {
-        Some(part) => format!("{:.1} % of the limit", 100.0 * part),
-        None => "no limit known".to_owned(),
+    let summary = match (curve.use_of_limit(), curve.limit) {
+        (Some(part), _) => format!("{:.1} % of the limit", 100.0 * part),
+        (None, Limit::None) => String::new(),
+        (None, Limit::Known(_) | Limit::Unknown) => "no limit known".to_owned(),
     };
     text(out, right, top - 8.0, "sub right", &summary);
 
     let _ = writeln!(
         out,
-        "<rect class=\"panel\" x=\"{left:.1}\" y=\"{top:.1}\" width=\"{PANEL_WIDTH}\" height=\"{PANEL_HEIGHT}\"/>"
+        "<rect class=\"panel\" x=\"{left:.1}\" y=\"{top:.1}\" width=\"{width}\" height=\"{PANEL_HEIGHT}\"/>"
     );
     if let Some((accelerated, decelerating)) = switches {
         for (from, to) in [(0.0, accelerated), (decelerating, end)] {
@@ -182,7 +269,7 @@ fn panel(out: &mut String, time: &[f64], curve: &Curve, switches: Option<(f64, f
         clippy::cast_sign_loss,
         reason = "a constant of some hundred"
     )]
-    let points = thinned(time, &curve.values, PANEL_WIDTH as usize);
+    let points = thinned(time, &curve.values, width as usize);
     if !points.is_empty() {
         out.push_str("<polyline class=\"curve\" points=\"");
         for (time, value) in &points {
@@ -253,6 +340,61 @@ mod tests {
     }
 
     #[test]
+    fn the_legend_is_that_of_what_is_shown() {
+        let mut curves = Curves::of(&example::plan(), &example::robot(), &[], Units::default()).unwrap();
+        let svg = render(&curves, None);
+        for part in ["plan", "limit in force", "tightest moment", "speeding up"] {
+            assert!(svg.contains(&format!(">{part}")), "{part}");
+        }
+        curves.subject = Subject::Rehearsal;
+        for joint in &mut curves.joints {
+            joint.switches = None;
+            for curve in [&mut joint.left, &mut joint.right] {
+                curve.limit = Limit::None;
+            }
+        }
+        let svg = render(&curves, None);
+        assert!(
+            svg.contains(">distance from the plan<") && svg.contains(">largest value<"),
+            "{svg}"
+        );
+        for part in [">limit in force", "no limit known", ">speeding up", "class=\"limit\""] {
+            assert!(!svg.contains(part), "{part}");
+        }
+    }
+
+    #[test]
+    fn what_is_rehearsed_twice_has_one_scale() {
+        let curve = |values: [f64; 2]| Curve {
+            name: "off",
+            unit: "rad",
+            values: values.into(),
+            limit: Limit::None,
+        };
+        let curves = |subject| Curves {
+            time: vec![0.0, 1.0],
+            tool: None,
+            joints: vec![JointCurves {
+                joint: "a".to_owned(),
+                left: curve([0.0, 0.1]),
+                right: curve([0.0, 10.0]),
+                switches: None,
+            }],
+            subject,
+        };
+        let ticks = |subject| render(&curves(subject), None).matches(">10<").count();
+        assert_eq!((ticks(Subject::Rehearsal), ticks(Subject::Plan)), (2, 1));
+    }
+
+    #[test]
+    fn a_heading_is_broken_and_not_cut() {
+        let long = "joint ".repeat(60);
+        assert!(wrapped(&long, 150).iter().all(|line| line.chars().count() <= 150));
+        assert_eq!(wrapped(&long, 150).join(" "), long.trim_end());
+        assert_eq!(wrapped("ab cdefg h", 3), ["ab", "cde", "fg", "h"]);
+    }
+
+    #[test]
     fn names_cannot_break_the_document() {
         let svg = picture();
         assert!(svg.contains("&lt;slide&gt; &amp; &quot;co&quot;"));
@@ -263,9 +405,9 @@ mod tests {
     #[test]
     fn every_coordinate_is_a_number_inside_the_picture() {
         let mut curves = Curves::of(&example::plan(), &example::robot(), &[], Units::default()).unwrap();
-        curves.joints[0].torque.values = vec![f64::NAN; 5];
-        curves.joints[0].velocity.values = vec![0.0; 5];
-        curves.joints[1].torque.values.clear();
+        curves.joints[0].right.values = vec![f64::NAN; 5];
+        curves.joints[0].left.values = vec![0.0; 5];
+        curves.joints[1].right.values.clear();
         let svg = render(&curves, None);
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
         render(&Curves::default(), Some(&Heading::default()));

@@ -16,23 +16,31 @@ const GAP: usize = 3;
 const NARROWEST: usize = 40;
 const WIDEST: usize = 200;
 
-/// Speed and torque of every joint against their limits.
+/// Two curves of every joint against their limits.
 pub(crate) fn render(curves: &Curves, width: usize, colour: bool) -> String {
     let width = width.clamp(NARROWEST, WIDEST);
     let mut out = String::new();
+    if let Some(tool) = &curves.tool {
+        out.push_str(&paint("tool", Tone::Bold, colour));
+        out.push('\n');
+        for line in plot(&curves.time, tool, width, colour) {
+            push_line(&mut out, &line.text);
+        }
+        out.push('\n');
+    }
     for joint in &curves.joints {
         out.push_str(&paint(&joint.joint, Tone::Bold, colour));
         out.push('\n');
         if width >= SIDE_BY_SIDE {
             let each = (width - GAP) / 2;
-            let left = plot(&curves.time, &joint.velocity, each, colour);
-            let right = plot(&curves.time, &joint.torque, each, colour);
+            let left = plot(&curves.time, &joint.left, each, colour);
+            let right = plot(&curves.time, &joint.right, each, colour);
             for (left, right) in left.iter().zip(&right) {
                 let space = " ".repeat((each + GAP).saturating_sub(left.width));
                 push_line(&mut out, &format!("{}{space}{}", left.text, right.text));
             }
         } else {
-            for line in [&joint.velocity, &joint.torque]
+            for line in [&joint.left, &joint.right]
                 .map(|curve| plot(&curves.time, curve, width, colour))
                 .concat()
             {
@@ -41,10 +49,13 @@ pub(crate) fn render(curves: &Curves, width: usize, colour: bool) -> String {
         }
         out.push('\n');
     }
-    let legend = format!(
-        "{} limit in force; peaks in % of it",
-        paint(LIMIT_SAMPLE, Tone::Bad, colour)
-    );
+    let legend = match curves.have_limits() {
+        true => format!(
+            "{} limit in force; peaks in % of it",
+            paint(LIMIT_SAMPLE, Tone::Bad, colour)
+        ),
+        false => format!("each curve: {}", curves.subject.line()),
+    };
     push_line(&mut out, &legend);
     out
 }
@@ -94,13 +105,13 @@ fn plot(time: &[f64], curve: &Curve, width: usize, colour: bool) -> Vec<Line> {
         .use_of_limit()
         .map_or_else(String::new, |part| format!(" ({:.1} %)", 100.0 * part));
     let peak = curve.peak().map_or(0.0, |(_, peak)| peak);
-    let title = format!(
-        "{}{} [{}]  peak {}{use_of_limit}",
-        " ".repeat(GUTTER + 1),
-        curve.name,
-        curve.unit,
-        number(peak, 4)
-    );
+    let peak = format!("peak {}{use_of_limit}", number(peak, 4));
+    let title = format!("{}{} [{}]  ", " ".repeat(GUTTER + 1), curve.name, curve.unit);
+    // Where it would be cut it begins above the values already.
+    let title = match title.chars().count() + peak.chars().count() <= width {
+        true => title + &peak,
+        false => format!("{} [{}] {peak}", curve.name, curve.unit),
+    };
     let title: String = title.chars().take(width).collect();
 
     let mut lines = vec![line(title)];
@@ -298,8 +309,8 @@ mod tests {
     fn odd_numbers_draw_nothing_and_break_nothing() {
         let mut odd = curves();
         odd.time = vec![0.0, f64::NAN, 1.0];
-        odd.joints[0].torque.values = vec![f64::NAN, f64::INFINITY, 1.0];
-        odd.joints[1].torque.values.clear();
+        odd.joints[0].right.values = vec![f64::NAN, f64::INFINITY, 1.0];
+        odd.joints[1].right.values.clear();
         render(&odd, 80, true);
         render(&Curves::default(), 80, false);
     }

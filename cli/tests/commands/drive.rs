@@ -1,4 +1,4 @@
-//! Estimates, fits, commits and rehearsals.
+//! Estimates and commits.
 
 use super::{call, exit, server};
 
@@ -17,7 +17,7 @@ joints:
 /// Coulomb and viscous friction of the joints.
 const FRICTION: [(f64, f64); 2] = [(5.0, 7.0), (2.0, 3.0)];
 
-fn arm() -> String {
+pub(super) fn arm() -> String {
     let server = server();
     let said = call(&server, &["robot", "register", "arm", "--description", "-"], BARE);
     assert_eq!(said.code, exit::OK, "{}", said.errors);
@@ -25,7 +25,7 @@ fn arm() -> String {
 }
 
 /// A log of 1 kHz: the first joint by number, the second by name.
-fn log(samples: u32) -> String {
+pub(super) fn log(samples: u32) -> String {
     let mut text = "t,q1,qd1,tau1,b.c.position,b.c.velocity,b.c.torque,temperature\n".to_owned();
     for index in 0..samples {
         let time = f64::from(index) * 1e-3;
@@ -185,64 +185,4 @@ fn what_is_wrong_with_a_log_is_said_with_what_to_do() {
     let said = call(&server, &["drive", "estimate", "arm", "-"], &still);
     assert_eq!(said.code, exit::NO);
     assert!(said.output.contains("missing:"), "{}", said.output);
-}
-
-#[test]
-fn a_recording_is_fitted_and_compared() {
-    let server = arm();
-    let log = log(9000);
-    let line = [
-        "drive",
-        "fit",
-        "arm",
-        "-",
-        "--scope",
-        "friction",
-        "--identify",
-        "0..6",
-        "--test",
-        "6.5..8.5",
-    ];
-    let said = call(&server, &line, &log);
-    assert_eq!(said.code, exit::OK, "{}{}", said.output, said.errors);
-    for part in ["model before", "model after", "viscous", "Coulomb +"] {
-        assert!(said.output.contains(part), "{part}: {}", said.output);
-    }
-    assert!(said.errors.contains("temperature"), "{}", said.errors);
-    let json = call(&server, &[&line[..], &["--json"]].concat(), &log);
-    let done = call(&server, &["drive", "commit", "arm", "-"], &json.output);
-    assert_eq!(done.code, exit::OK, "{}", done.errors);
-}
-
-#[test]
-fn a_move_is_rehearsed_side_by_side() {
-    let server = server();
-    let motion = [
-        "rehearse",
-        "scara",
-        "--from",
-        "-1,1,0.1,0",
-        "--to",
-        "-0.5,0.6,0.12,0.4",
-        "--friction",
-        "1.5",
-    ];
-    let said = call(
-        &server,
-        &[&motion[..], &["--drift", "shoulder=0.1", "--settle", "200ms", "--plot"]].concat(),
-        "",
-    );
-    assert_eq!(said.code, exit::OK, "{}{}", said.output, said.errors);
-    for part in ["model", "adapted", "tool off by", "off, adapted [rad]"] {
-        assert!(said.output.contains(part), "{part}: {}", said.output);
-    }
-    let json = call(&server, &[&motion[..], &["--json"]].concat(), "");
-    let reply: serde_json::Value = serde_json::from_str(&json.output).unwrap();
-    assert_eq!(reply["rehearsal"]["adapted"]["end"], "COMPLETED");
-    let far = call(
-        &server,
-        &["rehearse", "scara", "--from", "-1,1,0.1,0", "--to", "9,0,0,0"],
-        "",
-    );
-    assert_eq!(far.code, exit::USAGE, "{}", far.errors);
 }

@@ -74,6 +74,8 @@ pub struct FeedForward {
     pub desired: Vec<Desired>,
     /// Where it is exact.
     pub smoothness: Smoothness,
+    /// Step by step, whether the motor's velocity and acceleration are exact.
+    pub exact: Vec<bool>,
 }
 
 impl FeedForward {
@@ -161,6 +163,7 @@ pub fn feed_forward(
             exact_steps: reference.smooth.iter().filter(|smooth| **smooth).count(),
             steps: reference.steps(),
         },
+        exact: reference.smooth.clone(),
     }))
 }
 

@@ -6,9 +6,10 @@
 
 use super::rehearse::request::{Motion, SetpointMotion};
 use crate::budget::Budget;
-use crate::path::motion::{PathMotion, path_motion};
-use crate::path::outcome::PathInfeasible;
-use crate::plan::outcome::{Infeasible, MoveOutcome};
+use crate::path::outcome::{PathInfeasible, PathOutcome, PathPlan};
+use crate::path::plan_path;
+use crate::path::request::PathRequest;
+use crate::plan::outcome::{Infeasible, MoveOutcome, MovePlan};
 use crate::plan::request::{MoveRequest, Sampling};
 use crate::plan::{Failure, plan_move, read_trajectory};
 use crate::robot::Robot;
@@ -61,10 +62,7 @@ impl Reference {
     ) -> Result<Result<Self, NoMotion>, Failure> {
         let reference = match motion {
             Motion::Move(request) => Self::of_move(robot, request, period, budget)?,
-            Motion::Path(request) => match path_motion(robot, request, period, budget)? {
-                Ok(path) => Ok(Self::of_path(path, period)),
-                Err(infeasible) => Err(NoMotion::Path(Box::new(infeasible))),
-            },
+            Motion::Path(request) => Self::of_path(robot, request, period, budget)?,
             Motion::Setpoints(points) => Ok(Self::of_points(robot, points, period)?),
         };
         let mut reference = match reference {
@@ -116,6 +114,14 @@ impl Reference {
             MoveOutcome::Plan(plan) => plan,
             MoveOutcome::Infeasible(infeasible) => return Ok(Err(NoMotion::Move(Box::new(infeasible)))),
         };
+        Ok(Ok(Self::of_planned_move(&request, &plan, period)?))
+    }
+
+    /// A move as it was planned, on a period of which its duration is a whole number.
+    ///
+    /// # Errors
+    /// More samples than there may be.
+    pub fn of_planned_move(request: &MoveRequest, plan: &MovePlan, period: f64) -> Result<Self, Failure> {
         let mut reference = if plan.duration > 0.0 {
             let motion = Trajectory::of_patterns(&request.start, &plan.patterns);
             Self::of_trajectory(&motion, period, plan.duration)?
@@ -128,8 +134,24 @@ impl Reference {
             *state = [*target, 0.0, 0.0, 0.0, 0.0];
         }
         reference.payload = request.payload;
-        reference.warnings = plan.warnings;
-        Ok(Ok(reference))
+        reference.warnings.clone_from(&plan.warnings);
+        Ok(reference)
+    }
+
+    fn of_path(
+        robot: &Robot,
+        request: &PathRequest,
+        period: f64,
+        budget: &Budget<'_>,
+    ) -> Result<Result<Self, NoMotion>, Failure> {
+        let request = PathRequest {
+            sampling: Sampling::Period(period),
+            ..request.clone()
+        };
+        match plan_path(robot, &request, budget)? {
+            PathOutcome::Plan(plan) => Ok(Ok(Self::of_planned_path(&request, &plan, period)?)),
+            PathOutcome::Infeasible(infeasible) => Ok(Err(NoMotion::Path(Box::new(infeasible)))),
+        }
     }
 
     fn of_points(robot: &Robot, points: &SetpointMotion, period: f64) -> Result<Self, Failure> {
@@ -183,37 +205,50 @@ impl Reference {
         })
     }
 
-    fn of_path(path: PathMotion, period: f64) -> Self {
-        let steps = path.states.len() / path.joint_count;
-        let mut smooth = if path.smooth {
-            away_from(&path.stops, steps, period)
+    /// A program as it was planned, with set-points at the period.
+    ///
+    /// # Errors
+    /// A plan without set-points.
+    pub fn of_planned_path(request: &PathRequest, plan: &PathPlan, period: f64) -> Result<Self, Failure> {
+        let Some(setpoints) = &plan.setpoints else {
+            let message = "must be given: motors have set-points on the controller's cycle";
+            return Err(Failure::invalid("sample_period_s", message.to_owned()));
+        };
+        let (joints, jerk) = (&setpoints.samples.joints, &setpoints.jerk);
+        let (count, steps) = (joints.len(), setpoints.samples.time.len());
+        let mut smooth = if plan.smoothness.jerk_is_continuous {
+            away_from(&plan.smoothness.stops, steps, period)
         } else {
             vec![false; steps]
         };
         // their neighbours are needed for the fourth derivative
         smooth[0] = false;
         smooth[steps - 1] = false;
-        let count = path.joint_count;
         let states = (0..steps * count).map(|entry| {
-            let [q, qd, qdd, jerk] = path.states[entry];
-            let inner = smooth[entry / count];
-            let snap = if inner {
-                (path.states[entry + count][3] - path.states[entry - count][3]) / (2.0 * period)
+            let (step, columns) = (entry / count, &joints[entry % count]);
+            let snap = if smooth[step] {
+                (jerk[entry + count] - jerk[entry - count]) / (2.0 * period)
             } else {
                 0.0
             };
-            [q, qd, qdd, jerk, snap]
+            [
+                columns.position[step],
+                columns.velocity[step],
+                columns.acceleration[step],
+                jerk[entry],
+                snap,
+            ]
         });
-        Self {
+        Ok(Self {
             joint_count: count,
             period,
-            duration: path.duration,
+            duration: plan.duration,
             states: states.collect(),
             smooth,
-            continuity: path.continuity,
-            payload: path.payload,
-            warnings: path.warnings,
-        }
+            continuity: plan.smoothness.continuity,
+            payload: request.payload,
+            warnings: plan.warnings.clone(),
+        })
     }
 }
 

@@ -100,14 +100,19 @@ fn largest_torques(planned: &FeedForward) -> Vec<f64> {
 }
 
 fn warnings(robot: &Robot, request: &RehearsalRequest, joints: &[Joint], mut warnings: Vec<String>) -> Vec<String> {
-    for (spec, truth) in robot.spec().joints.iter().zip(&request.friction) {
-        let drive = &spec.drive;
-        if *truth != FrictionTruth::default() && drive.motor_friction.is_zero() && drive.joint_friction.is_zero() {
-            let name = &spec.name;
-            warnings.push(format!(
-                "the model of joint {name:?} has no friction: scaling it changes nothing"
-            ));
-        }
+    let scaled = robot.spec().joints.iter().zip(&request.friction);
+    let without: Vec<String> = scaled
+        .filter(|(spec, truth)| {
+            let drive = &spec.drive;
+            **truth != FrictionTruth::default() && drive.motor_friction.is_zero() && drive.joint_friction.is_zero()
+        })
+        .map(|(spec, _)| format!("{:?}", spec.name))
+        .collect();
+    if !without.is_empty() {
+        warnings.push(format!(
+            "scaling friction changes nothing where the model has none: {}",
+            without.join(", ")
+        ));
     }
     for (spec, joint) in robot.spec().joints.iter().zip(joints) {
         if !spec.drive.stiffness.is_empty() && joint.transmission.is_none() {

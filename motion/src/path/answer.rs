@@ -1,11 +1,11 @@
 //! The parts of an answer: what the verification found, at its place in the program and in time.
 
 use super::outcome::{
-    BlendReport, LimitCost, LimitingStretch, Location, PathLimit, PathLimitUse, PathPlan, SegmentReport,
+    BlendReport, LimitCost, LimitingStretch, Location, PathLimit, PathLimitUse, PathPlan, SegmentReport, Smoothness,
 };
 use super::plan::{Run, Runs, TimedRun};
 use super::problem::Problem;
-use super::request::PathRequest;
+use super::request::{PathRequest, Timing};
 use super::sample;
 use crate::budget::Budget;
 use crate::dynamics::{self, Workspace};
@@ -48,6 +48,7 @@ pub(super) fn assemble(
         constant_speed: runs.constant_speed,
         override_safe: parts.override_safe(),
         setpoints,
+        smoothness: parts.smoothness(runs.continuity),
         warnings: runs.warnings,
         torque_utilization: request.torque_utilization,
         speed_scale: request.speed_scale,
@@ -88,6 +89,18 @@ impl Parts<'_> {
             report
         });
         known.collect()
+    }
+
+    /// With a limited jerk the squared path speed is a cubic spline: its second derivative, and so the jerk, is continuous.
+    fn smoothness(&self, continuity: u32) -> Smoothness {
+        let optimal = self.request.timing == Timing::Optimal;
+        let limits_jerk = |run: &TimedRun| self.problem.limits_jerk(run.run.spans());
+        let jerk_limited = optimal && self.runs.iter().all(limits_jerk);
+        Smoothness {
+            continuity: if jerk_limited || !optimal { 2 } else { 1 },
+            jerk_is_continuous: jerk_limited && continuity >= 3,
+            stops: self.runs.iter().flat_map(|run| [run.begin, run.end()]).collect(),
+        }
     }
 
     /// Blends with their times.

@@ -20,7 +20,8 @@ impl Teacher<'_> {
         };
         match unreachable {
             Unreachable::OutOfReach { .. } => {
-                evidence(PathInfeasibleReason::OutOfReach, gap(unreachable).unwrap_or(0.0), 0.0)
+                let needed = gap(unreachable).map_or(0.0, |(gap, _)| gap);
+                evidence(PathInfeasibleReason::OutOfReach, needed, 0.0)
             }
             Unreachable::JointRange {
                 joint,
@@ -58,10 +59,16 @@ impl Teacher<'_> {
         // the largest gap on the rest of the way
         let rest = (1..=REACH_PROBES).map(|i| halt.at + (1.0 - halt.at) * i as f64 / REACH_PROBES as f64);
         let gaps = rest.filter_map(|v| gap(&self.inverse.nearest(&curve.pose(v), &self.q).err()?));
-        let gap = gaps.fold(0.0, f64::max);
+        // a place that is missed weighs more than an orientation
+        let largest = gaps.fold((0.0, "rad"), |most: (f64, &str), gap| match (most.1, gap.1) {
+            ("rad", "m") => gap,
+            (a, b) if a == b && gap.0 > most.0 => gap,
+            _ => most,
+        });
+        let (gap, unit) = largest;
         if gap > 0.0 {
             let suggestion = format!(
-                "the segment leaves the arm's reach after {percent:.2} % of its way, by up to {gap:.6} m or rad; move the \
+                "the segment leaves the arm's reach after {percent:.2} % of its way, by up to {gap:.6} {unit}; move the \
                  taught points closer, or the tool's orientation to one that the arm can take"
             );
             return evidence(PathInfeasibleReason::OutOfReach, gap, 0.0, suggestion);
@@ -112,17 +119,17 @@ impl Teacher<'_> {
     }
 }
 
-/// How far a pose is out of reach: m where its place is missed, rad where its orientation alone is.
-fn gap(unreachable: &Unreachable) -> Option<f64> {
+/// How far a pose is out of reach, and the unit: m where its place is missed, rad where its orientation alone is.
+fn gap(unreachable: &Unreachable) -> Option<(f64, &'static str)> {
     match unreachable {
         Unreachable::OutOfReach {
             position_gap,
             orientation_gap,
             ..
         } => Some(if *position_gap > SEGMENT_MIN {
-            *position_gap
+            (*position_gap, "m")
         } else {
-            *orientation_gap
+            (*orientation_gap, "rad")
         }),
         Unreachable::JointRange { .. } | Unreachable::Singular { .. } => None,
     }

@@ -45,6 +45,7 @@ pub(super) fn infeasible(reason: PathInfeasibleReason, location: Location, sugge
         needed: 0.0,
         available: 0.0,
         gravity_torque: 0.0,
+        feasible_payload: None,
         reachable_fraction: None,
         suggestion,
     }

@@ -46,6 +46,8 @@ pub struct PathPlan {
     pub override_safe: Option<OverrideSafety>,
     /// Samples, with their places.
     pub setpoints: Option<PathSetpoints>,
+    /// What motors can follow exactly.
+    pub smoothness: Smoothness,
     /// What the caller should know.
     pub warnings: Vec<String>,
     /// Echo: part of each peak torque that may be used.
@@ -220,6 +222,19 @@ pub struct PathSetpoints {
     pub locations: Vec<Location>,
     /// Tool speed, m/s, one a sample.
     pub tool_speed: Vec<f64>,
+    /// Third derivative of the joints' positions, sample by sample, one a joint.
+    pub jerk: Vec<f64>,
+}
+
+/// How smooth a path is in time.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Smoothness {
+    /// How many derivatives in time are continuous everywhere.
+    pub continuity: u32,
+    /// The third one is continuous but at the stops.
+    pub jerk_is_continuous: bool,
+    /// Where strokes begin and end, s.
+    pub stops: Vec<f64>,
 }
 
 /// A program that cannot be run, with the evidence.
@@ -237,6 +252,9 @@ pub struct PathInfeasible {
     pub available: f64,
     /// Gravity's part of a torque that is needed.
     pub gravity_torque: f64,
+    /// The largest payload with which gravity and friction would be within the limit there, kg; `None` where no mass would do, or
+    /// where it is not the payload's fault.
+    pub feasible_payload: Option<f64>,
     /// The part of the segment that can be reached, from its start.
     pub reachable_fraction: Option<f64>,
     /// A sentence: what would make it feasible.

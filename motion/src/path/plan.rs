@@ -16,6 +16,7 @@ use crate::budget::Budget;
 use crate::curve::{Curve, CurvePoint, Side};
 use crate::error::Invalid;
 use crate::plan::Failure;
+use crate::plan::feasible::{Rest, feasible_payload};
 use crate::plan::request::Sampling;
 use crate::robot::Robot;
 use crate::timing::law::TimeLaw;
@@ -219,7 +220,7 @@ fn time(
     };
     let mut law = match timing {
         Ok(timing) => timing.law,
-        Err(obstacle) => return Ok(Err(refusal(&stroke, &obstacle))),
+        Err(obstacle) => return Ok(Err(refusal(problem, &stroke, &obstacle))),
     };
     if let Some(cycle) = cycle
         && speeds == [0.0; 2]
@@ -328,15 +329,43 @@ pub(super) fn broken(run: &dyn Run, worst: &Tightest, examined: &Examined) -> Pa
 }
 
 /// The evidence of the timing, at its place in the program.
-fn refusal(stroke: &Stroke, obstacle: &Obstacle) -> PathInfeasible {
+fn refusal(problem: &Problem, stroke: &Stroke, obstacle: &Obstacle) -> PathInfeasible {
     let location: Location = stroke.location(obstacle.s);
+    let payload = lighter(problem, stroke, obstacle);
+    let ways = match payload {
+        Some(mass) => format!(
+            "carry at most {mass:.4} kg, or a higher torque utilization, or a way on which gravity pulls less on this joint"
+        ),
+        None => suggestion(obstacle.reason).to_owned(),
+    };
     PathInfeasible {
         joint: obstacle.joint,
         needed: obstacle.needed,
         available: obstacle.available,
         gravity_torque: obstacle.gravity_torque,
-        ..infeasible(obstacle.reason, location, suggestion(obstacle.reason).to_owned())
+        feasible_payload: payload,
+        ..infeasible(obstacle.reason, location, ways)
     }
+}
+
+/// The payload that could be held, or moved slowly, where the path meets a torque limit even at rest.
+fn lighter(problem: &Problem, stroke: &Stroke, obstacle: &Obstacle) -> Option<f64> {
+    let direction = match obstacle.reason {
+        PathInfeasibleReason::HoldingTorque => 0.0,
+        PathInfeasibleReason::MovingTorque => obstacle.needed,
+        _ => return None,
+    };
+    let joint = obstacle.joint?;
+    let mut point = CurvePoint::new(problem.robot.joint_count());
+    stroke.evaluate(obstacle.s, Side::Before, &mut point);
+    let rest = Rest::of_joint(
+        &problem.robot,
+        joint,
+        direction,
+        obstacle.needed,
+        obstacle.gravity_torque,
+    );
+    feasible_payload(&problem.robot, &point.position, joint, &rest, obstacle.available)
 }
 
 /// What would make a path feasible.

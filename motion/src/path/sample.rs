@@ -46,7 +46,7 @@ pub(super) fn setpoints(
     Ok(Some(setpoints))
 }
 
-pub(super) struct Sampler<'a> {
+struct Sampler<'a> {
     problem: &'a Problem,
     runs: &'a [TimedRun],
     start: &'a [f64],
@@ -55,12 +55,12 @@ pub(super) struct Sampler<'a> {
     sweep: Sweep,
     /// Which way the joints move, laid out as the sweep's columns are.
     directions: Vec<f64>,
-    pub(super) state: State,
+    state: State,
     setpoints: PathSetpoints,
 }
 
 impl<'a> Sampler<'a> {
-    pub(super) fn new(problem: &'a Problem, request: &'a PathRequest, runs: &'a [TimedRun]) -> Self {
+    fn new(problem: &'a Problem, request: &'a PathRequest, runs: &'a [TimedRun]) -> Self {
         let count = problem.robot.joint_count();
         Self {
             problem,
@@ -77,6 +77,7 @@ impl<'a> Sampler<'a> {
                 },
                 locations: Vec::new(),
                 tool_speed: Vec::new(),
+                jerk: Vec::new(),
             },
         }
     }
@@ -97,6 +98,7 @@ impl<'a> Sampler<'a> {
             );
             self.setpoints.tool_speed.push(tool.velocity.norm());
             self.setpoints.locations.push(location);
+            self.setpoints.jerk.extend_from_slice(&state.jerk);
             for joint in 0..count {
                 let entry = self.sweep.column(joint) + sample;
                 self.sweep.position[entry] = state.position[joint];
@@ -123,7 +125,7 @@ impl<'a> Sampler<'a> {
 
     /// Sets the state at a time, and says where it is. A time or a place that a rounding separates from a stop is the
     /// stop's.
-    pub(super) fn set(&mut self, time: f64) -> Location {
+    fn set(&mut self, time: f64) -> Location {
         let slack = SAMPLE_AT_STOP * self.runs.last().map_or(0.0, TimedRun::end);
         let after = self.runs.partition_point(|run| run.begin <= time + slack);
         let Some((run, rest)) = after

@@ -3,6 +3,7 @@
 use super::outcome::{Infeasible, InfeasibleReason};
 use super::problem::Problem;
 use crate::dynamics::{self, Workspace};
+use crate::robot::Robot;
 use crate::robot::spec::Inertial;
 use crate::tolerance::PLAN_RESERVE;
 use crate::verify::Peak;
@@ -135,7 +136,7 @@ fn refuse(
         crate::robot::spec::JointKind::Prismatic => "N",
         _ => "N m",
     };
-    let feasible_payload = feasible_payload(problem, joint, location, rest, available);
+    let feasible_payload = feasible_payload(&problem.robot, &pose_at(problem, location), joint, rest, available);
     let mut ways = vec![format!(
         "allow joint \"{}\" at least {:.4} {unit} to {what}",
         spec.name,
@@ -168,7 +169,7 @@ fn refuse(
 }
 
 /// A torque by what of it goes with gravity: g + κ·|g| + rest.
-struct Rest {
+pub(crate) struct Rest {
     gravity: f64,
     /// κ: what friction takes of the load, with the sign of the motion.
     load: f64,
@@ -178,7 +179,12 @@ struct Rest {
 impl Rest {
     /// Of a torque of a joint that moves in a direction; 0 where it is held still.
     fn of(problem: &Problem, joint: usize, direction: f64, torque: f64, gravity: f64) -> Self {
-        let drive = &problem.robot.drives()[joint];
+        Self::of_joint(&problem.robot, joint, direction, torque, gravity)
+    }
+
+    /// As [`Rest::of`], of any robot.
+    pub(crate) fn of_joint(robot: &Robot, joint: usize, direction: f64, torque: f64, gravity: f64) -> Self {
+        let drive = &robot.drives()[joint];
         let load = if direction == 0.0 {
             0.0
         } else {
@@ -199,20 +205,23 @@ impl Rest {
 
 /// The largest mass of the payload, its centre where it is, with which gravity, friction of its load and the given rest stay
 /// within a limit; `None` where not even none would do, or where it is not the payload's fault.
-fn feasible_payload(problem: &Problem, joint: usize, location: f64, rest: &Rest, available: f64) -> Option<f64> {
-    let payload = *problem.robot.payload();
+pub(crate) fn feasible_payload(
+    robot: &Robot,
+    position: &[f64],
+    joint: usize,
+    rest: &Rest,
+    available: f64,
+) -> Option<f64> {
+    let payload = *robot.payload();
     if payload.mass <= 0.0 {
         return None;
     }
-    let bare = problem.robot.with_payload(&Inertial::zero());
-    let mut empty = vec![0.0; problem.start.len()];
-    dynamics::gravity_torque(
-        &bare,
-        &mut Workspace::new(&bare),
-        &pose_at(problem, location),
-        &mut empty,
-    );
-    let (empty, loaded) = (empty[joint], gravity_at(problem, location)[joint]);
+    let gravity = |robot: &Robot| {
+        let mut torque = vec![0.0; position.len()];
+        dynamics::gravity_torque(robot, &mut Workspace::new(robot), position, &mut torque);
+        torque[joint]
+    };
+    let (empty, loaded) = (gravity(&robot.with_payload(&Inertial::zero())), gravity(robot));
     let (without, with) = (rest.under(empty), rest.under(loaded));
     if without.abs() >= available || with.abs() <= available {
         return None;

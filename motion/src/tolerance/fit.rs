@@ -6,6 +6,10 @@ pub(crate) const FIT_SAMPLES_MAX: usize = 1_000_000;
 /// Largest magnitude of anything in a recording: beyond any unit of an arm, with products of three that stay finite.
 pub(crate) const FIT_VALUE_MAX: f64 = 1.0e9;
 
+/// Periods by which a part of a recording may be asked for beyond its ends without a word: the last sample of 8 s at 1 kHz is at 7.999 s, and
+/// half a period is for time stamps that jitter.
+pub(crate) const RANGE_SLACK: f64 = 1.5;
+
 /// Lowest corner of a fit's filter, Hz: slower motion is holding.
 pub(crate) const FIT_BAND_MIN: f64 = 0.1;
 

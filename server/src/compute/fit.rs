@@ -80,6 +80,14 @@ pub(crate) fn fit_drive(
             let to_wire = |assessment: Option<Assessment>| {
                 assessment.map(|assessment| convert::fit::assessment_to_wire(&assessment, spec))
             };
+            let parts = [
+                ("identify", Some(&read.options.selection)),
+                ("test", read.test.as_ref()),
+            ];
+            let short = parts
+                .into_iter()
+                .filter_map(|(name, part)| read.recording.shortfall(part?, name));
+            answer.warnings.extend(short);
             answer.before = to_wire(before);
             answer.after = to_wire(test(&fitted)?);
             if !finite::fit(&answer) {

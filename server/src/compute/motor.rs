@@ -1,6 +1,6 @@
 //! What the motors must do along set-points: feed-forward torque and current.
 
-use std::time::Instant;
+use std::{ops::Range, time::Instant};
 
 use takt_motion::{
     Invalid,
@@ -8,13 +8,16 @@ use takt_motion::{
     drive::{
         feedforward::{FeedForward, feed_forward},
         reference::Reference,
-        rehearse::{outcome::TransmissionRange, request::Motion},
+        rehearse::outcome::TransmissionRange,
     },
-    robot::{Robot, spec::RobotSpec},
+    robot::{
+        Robot,
+        spec::{Inertial, RobotSpec},
+    },
 };
 use takt_proto::{convert::Findings, v1};
 
-use super::{failed, finite, not_finite};
+use super::not_finite;
 use crate::{error::ServiceError, planner::stopped};
 
 /// What was asked for of the motors.
@@ -30,60 +33,60 @@ pub(super) fn is_asked(asked: Option<bool>, period: Option<f64>, findings: &mut 
     is_asked
 }
 
-/// Computes the feed-forward of a motion that has been planned.
+/// Computes the feed-forward along the motion of a plan that carries a payload.
 pub(super) fn motors(
     robot: &Robot,
-    motion: &Motion,
-    period: f64,
+    payload: Option<&Inertial>,
+    reference: &Reference,
     deadline: Instant,
     budget: &Budget<'_>,
 ) -> Result<Motors, ServiceError> {
-    let loaded = match motion {
-        Motion::Move(request) => request.payload.as_ref(),
-        Motion::Path(request) => request.payload.as_ref(),
-        Motion::Setpoints(points) => points.payload.as_ref(),
-    };
-    let loaded = loaded.map_or_else(|| robot.clone(), |payload| robot.with_payload(payload));
-    let reference = Reference::new(robot, motion, period, 0.0, budget).map_err(|failure| failed(failure, deadline))?;
-    let reference = reference.map_err(|_| ServiceError::internal("the motion was planned, and cannot be any more"))?;
-    feed_forward(&loaded, &reference, budget).map_err(|_| stopped(deadline))
-}
-
-/// Adds the motors' columns to the set-points, or says why there are none.
-pub(super) fn add(
-    motors: &Motors,
-    setpoints: &mut Option<v1::Setpoints>,
-    warnings: &mut Vec<String>,
-    robot: &RobotSpec,
-) -> Result<(), ServiceError> {
-    let Some(setpoints) = setpoints else {
-        return Ok(());
-    };
-    let forward = match motors {
-        Ok(forward) => forward,
-        Err(range) => {
-            warnings.push(format!(
-                "set-points of the motors are left out: the transmission of {} would have to pass {} at {} s, and its \
-                 stiffness polynomial rises up to {}",
-                robot.joints[range.joint].name, range.torque, range.time, range.largest
-            ));
-            return Ok(());
-        }
-    };
-    if forward.smoothness.steps != setpoints.time_s.len() {
-        return Err(ServiceError::internal(
-            "motors and joints have not the same number of set-points",
-        ));
-    }
-    setpoints.exact_motor_points = u32::try_from(forward.smoothness.exact_steps).ok();
-    let columns = setpoints.joints.iter_mut().zip(&robot.joints).enumerate();
-    for (joint, (columns, spec)) in columns {
-        let steps = || forward.desired.iter().skip(joint).step_by(forward.joint_count);
-        columns.motor_torque = steps().map(|at| at.motor_torque / spec.drive.gear_ratio).collect();
-        columns.motor_current_a = steps().filter_map(|at| at.motor_current).collect();
-        if !finite::all(&columns.motor_torque) || !finite::all(&columns.motor_current_a) {
+    let loaded = payload.map_or_else(|| robot.clone(), |payload| robot.with_payload(payload));
+    let motors = feed_forward(&loaded, reference, budget).map_err(|_| stopped(deadline))?;
+    if let Ok(forward) = &motors {
+        let drives = robot.spec().joints.iter().map(|joint| &joint.drive).cycle();
+        let is_finite = forward.desired.iter().zip(drives).all(|(at, drive)| {
+            (at.motor_torque / drive.gear_ratio).is_finite() && at.motor_current.is_none_or(f64::is_finite)
+        });
+        if !is_finite {
             return Err(not_finite());
         }
     }
-    Ok(())
+    Ok(motors)
+}
+
+/// Adds the motors' columns to all set-points of a plan, or a warning why there are none.
+pub(super) fn add_all(
+    motors: Option<&Motors>,
+    setpoints: &mut Option<v1::Setpoints>,
+    warnings: &mut Vec<String>,
+    robot: &RobotSpec,
+) {
+    match (motors, setpoints) {
+        (Some(Ok(forward)), Some(setpoints)) => add(forward, 0..setpoints.time_s.len(), setpoints, robot),
+        (Some(Err(range)), _) => warnings.push(left_out(range, robot)),
+        (Some(Ok(_)) | None, _) => {}
+    }
+}
+
+/// Adds the motors' columns to set-points, of which they are all or a piece.
+pub(super) fn add(forward: &FeedForward, piece: Range<usize>, setpoints: &mut v1::Setpoints, robot: &RobotSpec) {
+    let steps = piece.start..piece.end.min(forward.exact.len());
+    let exact = forward.exact[steps.clone()].iter().filter(|exact| **exact).count();
+    setpoints.exact_motor_points = u32::try_from(exact).ok();
+    let columns = setpoints.joints.iter_mut().zip(&robot.joints).enumerate();
+    for (joint, (columns, spec)) in columns {
+        let desired = || steps.clone().map(|step| &forward.step(step)[joint]);
+        columns.motor_torque = desired().map(|at| at.motor_torque / spec.drive.gear_ratio).collect();
+        columns.motor_current_a = desired().filter_map(|at| at.motor_current).collect();
+    }
+}
+
+/// Why motors have no set-points.
+fn left_out(range: &TransmissionRange, robot: &RobotSpec) -> String {
+    format!(
+        "set-points of the motors are left out: the transmission of {} would have to pass {} at {} s, and its stiffness polynomial \
+         rises up to {}",
+        robot.joints[range.joint].name, range.torque, range.time, range.largest
+    )
 }

@@ -3,13 +3,22 @@
 
 use std::{sync::Arc, time::Instant};
 
-use takt_motion::{Invalid, budget::Budget, path::outcome::PathOutcome, plan::outcome::MoveOutcome};
+use takt_motion::{
+    Invalid, budget::Budget, drive::feedforward::FeedForward, path::outcome::PathOutcome, plan::outcome::MoveOutcome,
+};
 use takt_proto::{
     convert::{self, path::SetpointsOf},
-    v1::{self, setpoints_header::Answer, stream_setpoints_request::Motion, stream_setpoints_response::Part},
+    v1::{
+        self, plan_move_response, plan_path_response, setpoints_header::Answer, stream_setpoints_request::Motion,
+        stream_setpoints_response::Part,
+    },
 };
 
-use super::{Subject, path::planned_path, planned_move};
+use super::{
+    Subject,
+    motor::{self, Motors},
+    planned,
+};
 use crate::{config::Limits, error::ServiceError, registry::Compiled};
 
 /// Set-points of one chunk where the caller does not say.
@@ -23,6 +32,8 @@ const LARGEST_CHUNK: u32 = 200;
 pub(crate) struct Pieces {
     header: v1::SetpointsHeader,
     setpoints: Option<SetpointsOf>,
+    /// Where asked for.
+    motors: Option<FeedForward>,
     robot: Arc<Compiled>,
     chunk: usize,
 }
@@ -33,14 +44,17 @@ impl Pieces {
         let Self {
             header,
             setpoints,
+            motors,
             robot,
             chunk,
         } = self;
         let count = setpoints.as_ref().map_or(0, SetpointsOf::count);
         let chunks = (0..count).step_by(chunk).filter_map(move |first| {
-            let piece = setpoints
-                .as_ref()?
-                .piece_to_wire(first..first + chunk, robot.robot.spec());
+            let (range, spec) = (first..first + chunk, robot.robot.spec());
+            let mut piece = setpoints.as_ref()?.piece_to_wire(range.clone(), spec);
+            if let Some(forward) = &motors {
+                motor::add(forward, range, &mut piece, spec);
+            }
             Some(part(Part::Chunk(v1::SetpointsChunk {
                 first: u32::try_from(first).unwrap_or(u32::MAX),
                 last: first + chunk >= count,
@@ -75,44 +89,48 @@ pub(crate) fn stream_setpoints(
             let period = period(
                 request.sample_period_s,
                 &mut motion.sample_period_s,
-                (motion.trace_points, motion.motor_setpoints),
+                motion.trace_points,
             );
             let period = period.map_err(within)?;
-            let mut planned = planned_move(motion, subject, limits, deadline, budget).map_err(within)?;
+            let mut planned = planned(motion, subject, limits, deadline, budget).map_err(within)?;
             let setpoints = match &mut planned.outcome.outcome {
                 MoveOutcome::Plan(plan) => plan.setpoints.take().map(SetpointsOf::Move),
                 MoveOutcome::Infeasible(_) => None,
             };
-            let answer = v1::PlanMoveResponse {
-                outcome: Some(convert::confidence::move_to_wire(
-                    planned.outcome,
-                    planned.robot.robot.spec(),
-                )),
+            let spec = planned.robot.robot.spec();
+            let mut outcome = convert::confidence::move_to_wire(planned.outcome, spec);
+            if let plan_move_response::Outcome::Plan(plan) = &mut outcome {
+                motor::add_all(planned.motors.as_ref(), &mut plan.setpoints, &mut plan.warnings, spec);
+            }
+            let answer = Answer::Move(v1::PlanMoveResponse {
+                outcome: Some(outcome),
                 provenance: Some(planned.provenance),
-            };
-            Ok(pieces(Answer::Move(answer), setpoints, period, planned.robot, chunk))
+            });
+            Ok(pieces(answer, setpoints, planned.motors, period, planned.robot, chunk))
         }
         Some(Motion::Path(mut motion)) => {
             let within = |error: ServiceError| error.below("path");
             let period = period(
                 request.sample_period_s,
                 &mut motion.sample_period_s,
-                (motion.trace_points, motion.motor_setpoints),
+                motion.trace_points,
             );
             let period = period.map_err(within)?;
-            let mut planned = planned_path(motion, subject, limits, deadline, budget).map_err(within)?;
+            let mut planned = planned(motion, subject, limits, deadline, budget).map_err(within)?;
             let setpoints = match &mut planned.outcome.outcome {
                 PathOutcome::Plan(plan) => plan.setpoints.take().map(SetpointsOf::Path),
                 PathOutcome::Infeasible(_) => None,
             };
-            let answer = v1::PlanPathResponse {
-                outcome: Some(convert::confidence::path_to_wire(
-                    planned.outcome,
-                    planned.robot.robot.spec(),
-                )),
+            let spec = planned.robot.robot.spec();
+            let mut outcome = convert::confidence::path_to_wire(planned.outcome, spec);
+            if let plan_path_response::Outcome::Plan(plan) = &mut outcome {
+                motor::add_all(planned.motors.as_ref(), &mut plan.setpoints, &mut plan.warnings, spec);
+            }
+            let answer = Answer::Path(v1::PlanPathResponse {
+                outcome: Some(outcome),
                 provenance: Some(planned.provenance),
-            };
-            Ok(pieces(Answer::Path(answer), setpoints, period, planned.robot, chunk))
+            });
+            Ok(pieces(answer, setpoints, planned.motors, period, planned.robot, chunk))
         }
         None => {
             let invalid = Invalid::new("move", "must be given, or `path`");
@@ -122,22 +140,12 @@ pub(crate) fn stream_setpoints(
 }
 
 /// Settles the period in the motion itself, where it counts for the hash.
-fn period(
-    beside: Option<f64>,
-    within: &mut Option<f64>,
-    (trace_points, motors): (Option<u32>, Option<bool>),
-) -> Result<f64, ServiceError> {
+fn period(beside: Option<f64>, within: &mut Option<f64>, trace_points: Option<u32>) -> Result<f64, ServiceError> {
     let refused = |field: &str, message: String| Err(ServiceError::invalid(vec![Invalid::new(field, message)]));
     if trace_points.is_some() {
         return refused(
             "trace_points",
             "a stream has set-points: give `sample_period_s`".to_owned(),
-        );
-    }
-    if motors == Some(true) {
-        return refused(
-            "motor_setpoints",
-            "a stream has set-points of joints alone: plan the motion in one call".to_owned(),
         );
     }
     match (beside, *within) {
@@ -156,6 +164,7 @@ fn period(
 fn pieces(
     answer: Answer,
     setpoints: Option<SetpointsOf>,
+    motors: Option<Motors>,
     sample_period_s: f64,
     robot: Arc<Compiled>,
     chunk: usize,
@@ -168,6 +177,7 @@ fn pieces(
             sample_period_s,
         },
         setpoints,
+        motors: motors.and_then(Result::ok),
         robot,
         chunk,
     }

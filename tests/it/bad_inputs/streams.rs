@@ -57,7 +57,6 @@ pub(super) fn rows() -> Vec<Row> {
             &["move.sample_period_s"],
         ),
         motion("a trace", |m| m.trace_points = Some(10), &["move.trace_points"]),
-        motion("motors", |m| m.motor_setpoints = Some(true), &["move.motor_setpoints"]),
         motion("another robot", |m| m.robot_id = "fr3".to_owned(), &["move.robot_id"]),
         motion("no such revision", |m| m.revision = Some("r".to_owned()), &[]).refused(NOT_FOUND),
         motion(

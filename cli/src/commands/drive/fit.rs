@@ -31,17 +31,21 @@ seen from the joint (q1, tau1, or elbow_joint.position, elbow_joint.torque) or i
 elbow_joint.motor_current); its velocity (qd1, or elbow_joint.velocity) where it was measured. Other columns are passed over.
 
 Errors are those of the torque below the band, over the torque itself. Figures of the test part count: it was not fitted.
+It must not overlap the fitted part; where the log ends earlier than a part, a warning says what was used.
+
+One joint on the bench is fitted by other commands: takt drive fit-stiffness, fit-damping and fit-constant-speed.
+
 Exit code 3: the motion does not say what was asked; the answer says what it would have to have.")]
 pub(crate) struct FitArgs {
     /// The robot.
     robot_id: String,
     /// The recording in CSV; - for standard input.
     log: String,
-    /// Part of it that is fitted to, s, as in 0..8. Default: all of it.
+    /// Part of it that is fitted to, as in 0..8 (s) or 500ms..2s. Default: all of it.
     #[arg(long, value_name = "BEGIN..END", value_parser = range)]
     identify: Option<(f64, f64)>,
-    /// Part of it that the model is compared with, before and after the fit, as in 8.5..13.3.
-    #[arg(long, value_name = "BEGIN..END", value_parser = range)]
+    /// Part of it that the model is compared with, before and after the fit, as in 8.5..13.3; needs --identify.
+    #[arg(long, value_name = "BEGIN..END", value_parser = range, requires = "identify")]
     test: Option<(f64, f64)>,
     /// Corner frequency of the low pass for torque and model, Hz.
     #[arg(long, value_name = "HZ")]
@@ -77,7 +81,7 @@ enum ScopeName {
     Bodies,
 }
 
-/// `0..8`, in s; units as in 500ms are taken.
+/// `0..8`, in s; units as in 500ms and spaces around the dots are taken.
 fn range(text: &str) -> Result<(f64, f64), String> {
     const FORM: &str = "write it as BEGIN..END, as in 0..8 or 500ms..2s";
     let (begin, end) = text.split_once("..").ok_or(FORM)?;
@@ -120,12 +124,13 @@ pub(super) async fn run(args: FitArgs, client: &Client, io: &mut Io) -> Result<u
         Some(Outcome::Motion(fit)) => {
             if !args.json {
                 io.print(&render::fit(fit, &robot, io.terminal))?;
+                io.print(&render::proposal(reply.proposal.as_ref(), &robot.robot_id))?;
             }
             Ok(exit::OK)
         }
         Some(Outcome::NotExcited(missing)) => {
             if !args.json {
-                io.print(&render::missing(missing, io.terminal.colour))?;
+                io.print(&render::missing("motion does", missing, io.terminal.colour))?;
             }
             Ok(exit::NO)
         }
@@ -174,6 +179,8 @@ mod tests {
     fn parts_are_written_with_two_dots() {
         assert_eq!(range("0..8"), Ok((0.0, 8.0)));
         assert_eq!(range("500ms..13.3"), Ok((0.5, 13.3)));
+        assert_eq!(range(" 0 .. 8 s"), Ok((0.0, 8.0)));
+        assert!(range("0:8").unwrap_err().contains("as in 0..8"));
         for wrong in ["8", "8..0", "a..1", "1..1"] {
             assert!(range(wrong).is_err(), "{wrong}");
         }

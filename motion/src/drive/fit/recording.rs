@@ -3,7 +3,7 @@
 use crate::drive::fit::report::BAND_DEFAULT;
 use crate::error::Invalid;
 use crate::robot::Robot;
-use crate::tolerance::{FIT_BAND_MAX, FIT_BAND_MIN, FIT_SAMPLES_MAX, FIT_VALUE_MAX};
+use crate::tolerance::{FIT_BAND_MAX, FIT_BAND_MIN, FIT_SAMPLES_MAX, FIT_VALUE_MAX, RANGE_SLACK};
 
 /// What the drives did over some time: joints in model order, one value a sample in each of them.
 #[derive(Debug, Clone, PartialEq)]
@@ -129,7 +129,33 @@ fn check_series(robot: &Robot, name: &str, series: &[Vec<f64>], count: usize, fa
     }
 }
 
+impl Selection {
+    /// What a part has in common with another one, from its first to its last time; `None` where they are apart.
+    #[must_use]
+    pub fn overlap(&self, other: &Self) -> Option<(f64, f64)> {
+        let all = (f64::NEG_INFINITY, f64::INFINITY);
+        let (a, b) = (self.range.unwrap_or(all), other.range.unwrap_or(all));
+        let common = (a.0.max(b.0), a.1.min(b.1));
+        (common.0 < common.1).then_some(common)
+    }
+}
+
 impl Recording {
+    /// What a part that is asked for has more than the recording, in a sentence; `name` is that of the part.
+    #[must_use]
+    pub fn shortfall(&self, selection: &Selection, name: &str) -> Option<String> {
+        let (from, to) = selection.range?;
+        let (first, last) = (*self.time.first()?, *self.time.last()?);
+        let slack = RANGE_SLACK * (last - first) / (self.time.len() - 1).max(1) as f64;
+        (from < first - slack || to > last + slack).then(|| {
+            format!(
+                "{name}: {} to {} s is used of the {from} to {to} s that were asked for, the recording has no more",
+                from.max(first),
+                to.min(last)
+            )
+        })
+    }
+
     /// Torques at the joints, N m or N; the arm must have its torque constants where currents were recorded.
     pub(crate) fn torque(&self, robot: &Robot) -> Vec<Vec<f64>> {
         match &self.effort {
@@ -143,5 +169,41 @@ impl Recording {
                 scaled.collect()
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn part(range: Option<(f64, f64)>) -> Selection {
+        Selection {
+            range,
+            ..Selection::default()
+        }
+    }
+
+    #[test]
+    fn parts_overlap_where_they_share_more_than_a_moment() {
+        let identify = part(Some((0.0, 8.0)));
+        assert_eq!(identify.overlap(&part(Some((8.0, 12.0)))), None, "they may touch");
+        assert_eq!(identify.overlap(&part(Some((7.5, 12.0)))), Some((7.5, 8.0)));
+        let test = part(Some((8.5, 12.0)));
+        assert_eq!(part(None).overlap(&test), Some((8.5, 12.0)), "all of it is fitted");
+    }
+
+    #[test]
+    fn a_part_that_the_recording_does_not_have_is_said() {
+        let recording = Recording {
+            time: (0..1000).map(|k| 1e-3 * f64::from(k)).collect(),
+            position: Vec::new(),
+            velocity: None,
+            effort: Effort::Torque(Vec::new()),
+        };
+        let said = |from, to| recording.shortfall(&part(Some((from, to))), "test");
+        assert_eq!(said(0.0, 1.0), None, "the last sample begins a period that ends at 1 s");
+        assert_eq!(recording.shortfall(&part(None), "test"), None);
+        let said = said(0.5, 1.5).unwrap();
+        assert!(said.starts_with("test: 0.5 to 0.999 s is used"), "{said}");
     }
 }

@@ -59,6 +59,17 @@ pub fn motion_fit_request(
         findings.push(at.field("recording"), "must be given");
         return None;
     };
+    let test = wire.test.map(|range| selection(Some(range)));
+    if let Some((begin, end)) = test.and_then(|test| test.overlap(&selection(wire.identify))) {
+        let fitted = match &wire.identify {
+            Some(range) => format!("{} to {} s are fitted", range.begin_s, range.end_s),
+            None => "all of the recording is fitted, as `identify` is not given".to_owned(),
+        };
+        let message = format!(
+            "must be apart from the part that is fitted: {fitted}, and {begin} to {end} s are in both; what was fitted foretells nothing"
+        );
+        findings.push(at.field("test"), message);
+    }
     let recording = recording(wire_recording, at.field("recording"), spec?, findings)?;
     Some(MotionFitRequest {
         recording,
@@ -74,7 +85,7 @@ pub fn motion_fit_request(
             },
             presliding: wire.presliding.unwrap_or(default.presliding),
         },
-        test: wire.test.map(|range| selection(Some(range))),
+        test,
         payload,
     })
 }

@@ -255,6 +255,7 @@ pub(in crate::convert) fn infeasible_to_wire(refusal: PathInfeasible, robot: &Ro
         needed: refusal.needed,
         available: refusal.available,
         gravity_torque: refusal.gravity_torque,
+        feasible_payload_kg: refusal.feasible_payload,
         reachable_fraction: refusal.reachable_fraction,
         suggestion: refusal.suggestion,
         band: None,
