@@ -3,7 +3,7 @@
 use std::{
     fs::File,
     io::{BufRead, BufReader, Read},
-    sync::{Arc, Mutex, PoisonError},
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
     thread,
 };
 
@@ -11,7 +11,11 @@ use futures::{Stream, stream};
 use takt_client::v1;
 use tokio::sync::mpsc;
 
-use crate::{failure::Failure, io::Io, log::Header};
+use crate::{
+    failure::Failure,
+    io::Io,
+    log::{Header, Missing},
+};
 
 /// Samples of one block: a tenth of a second at 1 kHz.
 const BLOCK_SAMPLES: usize = 100;
@@ -22,14 +26,29 @@ const BLOCK_S: f64 = 0.1;
 /// Blocks that wait to be sent.
 const BLOCKS_AHEAD: usize = 4;
 
-/// What went wrong while reading; the blocks end there.
+/// What is to be said of the file, once the blocks have ended.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Troubles(Arc<Mutex<Option<Failure>>>);
+pub(crate) struct Troubles(Arc<Mutex<Said>>);
+
+#[derive(Debug, Default)]
+struct Said {
+    failure: Option<Failure>,
+    remarks: Vec<String>,
+}
 
 impl Troubles {
-    /// What went wrong, once the blocks have ended.
+    /// What went wrong while reading; the blocks ended there.
     pub(crate) fn take(&self) -> Option<Failure> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
+        self.lock().failure.take()
+    }
+
+    /// What is odd: columns that were passed over, values that are no numbers.
+    pub(crate) fn remarks(&self) -> Vec<String> {
+        std::mem::take(&mut self.lock().remarks)
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Said> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -49,9 +68,10 @@ pub(crate) fn blocks(
     let troubles = Troubles::default();
     let (said, name) = (troubles.clone(), name.to_owned());
     thread::spawn(move || {
-        if let Err(failure) = read(BufReader::new(source), &name, &joints, &sender) {
-            *said.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(failure);
-        }
+        let mut remarks = Vec::new();
+        let read = read(BufReader::new(source), &name, &joints, &sender, &mut remarks);
+        let mut said = said.lock();
+        (said.failure, said.remarks) = (read.err(), remarks);
     });
     let blocks = stream::unfold(receiver, |mut receiver| async move {
         let block = receiver.recv().await?;
@@ -66,6 +86,7 @@ fn read(
     name: &str,
     joints: &[String],
     sender: &mpsc::Sender<v1::Telemetry>,
+    remarks: &mut Vec<String>,
 ) -> Result<(), Failure> {
     let mut lines = source.lines().enumerate().map(|(index, line)| {
         let line = line.map_err(|error| Failure::usage(format!("cannot read {name}: {error}")))?;
@@ -91,6 +112,10 @@ fn read(
         return Ok(());
     }
     let header = Header::read(&first, joints)?;
+    if !header.ignored.is_empty() {
+        remarks.push(format!("columns passed over: {}", header.ignored.join(", ")));
+    }
+    let mut missing = Missing::default();
     let mut block = header.block();
     for line in lines {
         let (number, line) = line?;
@@ -98,6 +123,7 @@ fn read(
             continue;
         }
         header.add(&line, number, &mut block)?;
+        missing.count(&header, &mut block, number);
         if is_full(&block) {
             let full = std::mem::replace(&mut block, header.block());
             if sender.blocking_send(full).is_err() {
@@ -105,6 +131,7 @@ fn read(
             }
         }
     }
+    remarks.extend(missing.sentences(joints));
     if !block.time_s.is_empty() {
         // Whether anybody takes it makes no difference at the end.
         let _ = sender.blocking_send(block);
@@ -127,7 +154,7 @@ mod tests {
     fn blocks_of(text: &str) -> Result<Vec<v1::Telemetry>, Failure> {
         let joints = ["a".to_owned()];
         let (sender, mut receiver) = mpsc::channel(1000);
-        read(text.as_bytes(), "log", &joints, &sender)?;
+        read(text.as_bytes(), "log", &joints, &sender, &mut Vec::new())?;
         drop(sender);
         let mut blocks = Vec::new();
         while let Some(block) = receiver.blocking_recv() {

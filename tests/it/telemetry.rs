@@ -423,9 +423,21 @@ async fn an_estimate_is_committed() {
         while let Some(answer) = answers.next().await.unwrap() {
             found = Some(answer);
         }
-        let proposal = found.unwrap().proposal.unwrap();
+        let estimate = found.unwrap();
+        let proposal = estimate.proposal.clone().unwrap();
         assert_eq!(proposal.base_revision, before);
         assert_eq!(proposal.joints.len(), 6);
+        // What every coefficient becomes is what the estimate says a commit writes.
+        for joint in &estimate.joints {
+            let committed = coefficient(joint, Term::Viscous).committed;
+            let mut changes = proposal.friction.iter().filter(|change| change.joint == joint.joint);
+            let viscous = changes.find(|change| change.term() == v1::friction_change::Term::Viscous);
+            assert!(
+                committed.is_some() && viscous.is_some_and(|change| change.after == committed),
+                "{joint:?}"
+            );
+        }
+        assert_eq!(estimate.warnings, [""; 0]);
         let commit = v1::RegisterRobotRequest {
             robot_id: id.clone(),
             description: proposal.description,

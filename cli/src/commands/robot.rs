@@ -245,7 +245,12 @@ async fn show(args: ShowArgs, client: &Client, io: &mut Io) -> Result<(), Failur
     if args.json {
         return print_json(&reply, io);
     }
-    io.print(&render::show(&reply.robot.unwrap_or_default(), io.terminal.colour))
+    let description = reply.description.unwrap_or_default();
+    io.print(&render::show(
+        &reply.robot.unwrap_or_default(),
+        &description,
+        io.terminal.colour,
+    ))
 }
 
 async fn revisions(args: ShowArgs, client: &Client, io: &mut Io) -> Result<(), Failure> {

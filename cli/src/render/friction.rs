@@ -13,59 +13,171 @@ use crate::io::Terminal;
 
 /// The last estimate of a stream, for a person.
 pub(crate) fn estimate(last: &v1::EstimateFrictionResponse, robot: &v1::Robot, terminal: Terminal) -> String {
-    let mut table = Table::new([
-        "joint",
-        "term",
-        "value",
-        "± 95 %",
-        "unit",
-        "told",
-        "used",
-        "residual",
-        "deviation",
-    ])
-    .numbers_from(2);
+    let mut table = Table::new(["joint", "term", "estimate", "± 95 %", "model", "commit", "unit", ""]).numbers_from(2);
     for joint in &last.joints {
         let torque = Units::default().of(robot, &joint.joint).torque;
         for (index, one) in joint.coefficients.iter().enumerate() {
-            let first = |text: String| if index == 0 { text } else { String::new() };
-            let told = match one.told {
-                true => Cell::new("yes", Tone::Good),
-                false => Cell::new("no", Tone::Bad),
+            let first = |text: &str| if index == 0 { text.to_owned() } else { String::new() };
+            let (estimate, width) = match joint.used_count {
+                // what is there is what was assumed beforehand
+                0 => (dash(), dash()),
+                _ => (number(one.value, 4), number(0.5 * (one.upper - one.lower), 2)),
             };
+            let (commit, why) = outcome(joint, one);
             table.row([
-                Cell::from(first(joint.joint.clone())),
+                Cell::from(first(&joint.joint)),
                 Cell::from(term(one.term())),
-                Cell::from(number(one.value, 4)),
-                Cell::from(number(0.5 * (one.upper - one.lower), 2)),
+                Cell::from(estimate),
+                Cell::from(width),
+                Cell::from(number(one.model, 4)),
+                commit,
                 Cell::new(unit(one.term(), torque), Tone::Dim),
-                told,
-                Cell::from(first(joint.used_count.to_string())),
-                Cell::from(first(format!("{} {torque}", number(joint.residual_rms, 3)))),
-                Cell::from(first(format!("{} {torque}", number(joint.residual_deviation, 3)))),
+                Cell::from(why),
             ]);
         }
     }
     let mut out = table.render_for(terminal);
+    out.push('\n');
+    out.push_str(&evidence(last, robot).render_for(terminal));
     for line in facts(last) {
         let _ = writeln!(out, "{line}");
     }
-    for joint in &last.joints {
-        for missing in &joint.missing {
-            let _ = writeln!(
-                out,
-                "{} {}: {missing}",
-                paint("missing:", Tone::Bad, terminal.colour),
-                joint.joint
-            );
-        }
+    for (missing, joints) in folded(&last.joints) {
+        let _ = writeln!(
+            out,
+            "{} {}: {missing}",
+            paint("missing:", Tone::Bad, terminal.colour),
+            joints.join(", ")
+        );
     }
-    if let Some(proposal) = &last.proposal {
-        for warning in &proposal.warnings {
-            let _ = writeln!(out, "warning: {warning}");
-        }
+    let proposal = last.proposal.iter().flat_map(|proposal| &proposal.warnings);
+    for warning in last.warnings.iter().chain(proposal) {
+        let _ = writeln!(out, "warning: {warning}");
     }
     out
+}
+
+/// What a commit writes of a coefficient, and why it is not what was estimated.
+fn outcome(joint: &v1::FrictionEstimate, one: &v1::FrictionCoefficient) -> (Cell, &'static str) {
+    match one.committed {
+        None if joint.used_count == 0 => (Cell::new("stays", Tone::Dim), "no sample counted"),
+        None if !one.told => (Cell::new("stays", Tone::Dim), "not told, see missing"),
+        None => (Cell::new("stays", Tone::Dim), "see missing"),
+        Some(committed) => {
+            let why = match committed == 0.0 && one.value < 0.0 {
+                true => "friction is never below 0",
+                false if committed.to_bits() != one.value.to_bits() => "fitted to another term's 0",
+                false => "",
+            };
+            (Cell::new(number(committed, 4), Tone::Good), why)
+        }
+    }
+}
+
+/// What each joint's estimate stands on.
+fn evidence(last: &v1::EstimateFrictionResponse, robot: &v1::Robot) -> Table {
+    let mut table = Table::new([
+        "joint",
+        "used",
+        "residual",
+        "without outliers",
+        "at rest",
+        "turning back",
+        "settling",
+        "no torque",
+        "out of range",
+        "did not fit",
+    ])
+    .numbers_from(1);
+    for joint in &last.joints {
+        let torque = Units::default().of(robot, &joint.joint).torque;
+        let skipped = joint.skipped.unwrap_or_default();
+        let residual = |value: f64| match joint.used_count {
+            0 => dash(),
+            _ => format!("{} {torque}", number(value, 3)),
+        };
+        table.row([
+            joint.joint.clone(),
+            joint.used_count.to_string(),
+            residual(joint.residual_rms),
+            residual(joint.residual_deviation),
+            skipped.at_rest.to_string(),
+            skipped.reversing.to_string(),
+            skipped.settling.to_string(),
+            skipped.not_finite.to_string(),
+            skipped.out_of_range.to_string(),
+            skipped.outlier.to_string(),
+        ]);
+    }
+    table
+}
+
+/// What is missing, each once with all its joints.
+fn folded(joints: &[v1::FrictionEstimate]) -> Vec<(&str, Vec<&str>)> {
+    let mut found: Vec<(&str, Vec<&str>)> = Vec::new();
+    for joint in joints {
+        for missing in &joint.missing {
+            match found.iter_mut().find(|(known, _)| known == missing) {
+                Some((_, joints)) => joints.push(&joint.joint),
+                None => found.push((missing, vec![&joint.joint])),
+            }
+        }
+    }
+    found
+}
+
+/// What a commit changes of friction, for a person.
+pub(crate) fn changes(changes: &[v1::FrictionChange], robot: &v1::Robot, terminal: Terminal) -> String {
+    use v1::friction_change::Term as Changed;
+    let mut table = Table::new(["joint", "friction", "was", "becomes", "unit"]).numbers_from(2);
+    let mut before = "";
+    for change in changes {
+        let turns = Units::default().of(robot, &change.joint).torque == "N m";
+        let (name, unit) = match (change.term(), turns) {
+            (Changed::Unspecified, _) => ("", ""),
+            (Changed::CoulombPositive, true) => (term(Term::CoulombPositive), "N m"),
+            (Changed::CoulombPositive, false) => (term(Term::CoulombPositive), "N"),
+            (Changed::CoulombNegative, true) => (term(Term::CoulombNegative), "N m"),
+            (Changed::CoulombNegative, false) => (term(Term::CoulombNegative), "N"),
+            (Changed::Viscous, true) => (term(Term::Viscous), "N m s/rad"),
+            (Changed::Viscous, false) => (term(Term::Viscous), "N s/m"),
+            (Changed::LoadCoulomb, _) => (term(Term::LoadCoulomb), ""),
+            (Changed::Quadratic, true) => (term(Term::Quadratic), "N m s²/rad²"),
+            (Changed::Quadratic, false) => (term(Term::Quadratic), "N s²/m²"),
+            (Changed::PreslidingStiffness, true) => ("presliding", "N m/rad"),
+            (Changed::PreslidingStiffness, false) => ("presliding", "N/m"),
+        };
+        let value = |value: Option<f64>| value.map_or_else(dash, |value| number(value, 4));
+        let stays = change.before.map(f64::to_bits) == change.after.map(f64::to_bits);
+        let becomes = match stays {
+            true => Cell::new("stays", Tone::Dim),
+            false => Cell::from(value(change.after)),
+        };
+        let joint = if change.joint == before {
+            ""
+        } else {
+            change.joint.as_str()
+        };
+        before = &change.joint;
+        table.row([
+            Cell::from(joint),
+            Cell::from(name),
+            Cell::from(value(change.before)),
+            becomes,
+            Cell::new(unit, Tone::Dim),
+        ]);
+    }
+    if table.is_empty() {
+        return String::new();
+    }
+    format!(
+        "{}both sides of the gear together, as seen from the joint\n",
+        table.render_for(terminal)
+    )
+}
+
+fn dash() -> String {
+    "–".to_owned()
 }
 
 /// What was taken in, and what was not, in sentences.
@@ -89,20 +201,6 @@ pub(crate) fn facts(last: &v1::EstimateFrictionResponse) -> Vec<String> {
     }
     if skipped.gaps > 0 {
         lines.push(format!("{} gaps, after which filters started anew", skipped.gaps));
-    }
-    for joint in &last.joints {
-        let skipped = joint.skipped.unwrap_or_default();
-        let list = listed(&[
-            (skipped.at_rest, "at rest"),
-            (skipped.reversing, "just after turning back"),
-            (skipped.settling, "while filters settled"),
-            (skipped.not_finite, "with a torque missing"),
-            (skipped.out_of_range, "with a torque out of range"),
-            (skipped.outlier, "that did not fit"),
-        ]);
-        if !list.is_empty() {
-            lines.push(format!("not used of {}: {list}", joint.joint));
-        }
     }
     lines
 }

@@ -103,8 +103,166 @@ fn friction_is_estimated_shown_and_committed() {
         "{}",
         shown.output
     );
+    let again = call(
+        &server,
+        &["drive", "commit", "arm", &estimate, "--note", "new gear"],
+        "",
+    );
+    assert_eq!(again.code, exit::OK, "{}", again.errors);
+    let revision = done.output.split_whitespace().nth(3).unwrap();
+    assert!(
+        again.output.contains("there already") && again.output.contains(revision),
+        "{}",
+        again.output
+    );
     let late = call(&server, &["drive", "commit", "arm", &estimate], "");
-    assert_eq!(late.code, exit::USAGE, "somebody was faster");
+    assert_eq!(late.code, exit::USAGE, "with another note it is another revision");
+}
+
+/// What an estimate has no term for is held while it is made, and stays.
+#[test]
+fn terms_that_were_not_estimated_stay_and_every_change_is_shown() {
+    let server = server();
+    let richer = BARE.replace(
+        "rotor_inertia_kg_m2: 0.01}",
+        "rotor_inertia_kg_m2: 0.01, friction: [{side: JOINT, viscous: 9, coulomb_positive: 3.5, coulomb_negative: 2.5, quadratic: 0.30000000000000004, \
+         presliding_stiffness: 9000}]}",
+    );
+    let said = call(&server, &["robot", "register", "arm", "--description", "-"], &richer);
+    assert_eq!(said.code, exit::OK, "{}", said.errors);
+    let shown = call(&server, &["robot", "show", "arm"], "").output;
+    for part in ["3.5", "2.5", " 0.3 ", "9000", "Coulomb −", "presliding"] {
+        assert!(shown.contains(part), "{part}: {shown}");
+    }
+    let said = call(&server, &["drive", "estimate", "arm", "-", "--json"], &log(8000));
+    assert_eq!(said.code, exit::OK, "{}", said.errors);
+    let reply: serde_json::Value = serde_json::from_str(&said.output).unwrap();
+    let viscous = &reply["joints"][0]["coefficients"][1];
+    assert_eq!(viscous["model"], 9.0);
+    assert_eq!(viscous["committed"], viscous["value"]);
+    let done = call(&server, &["drive", "commit", "arm", "-"], &said.output);
+    assert_eq!(done.code, exit::OK, "{}", done.errors);
+    let line = |what: &str| {
+        let found = done.output.lines().find(|line| line.contains(what));
+        found.unwrap_or_else(|| panic!("{what}: {}", done.output)).to_owned()
+    };
+    for (what, stays) in [
+        ("Coulomb +", false),
+        ("Coulomb −", false),
+        ("viscous", false),
+        ("quadratic", true),
+        ("presliding", true),
+    ] {
+        assert_eq!(line(what).contains("stays"), stays, "{}", done.output);
+    }
+    let warnings: Vec<&str> = done
+        .errors
+        .lines()
+        .filter(|line| line.contains("both directions"))
+        .collect();
+    assert!(
+        warnings.len() == 1 && warnings[0].contains("joints a, b.c"),
+        "{}",
+        done.errors
+    );
+    let shown = call(&server, &["robot", "show", "arm"], "").output;
+    for part in [
+        "9000",
+        " 0.3 ",
+        "uncertainty: covariance of",
+        "origin: EstimateFriction on revision",
+    ] {
+        assert!(shown.contains(part), "{part}: {shown}");
+    }
+}
+
+/// Each cell of a log but those of the time and the rest.
+fn changed(log: &str, change: impl Fn(&str, f64) -> f64) -> String {
+    let mut lines = log.lines();
+    let head = lines.next().unwrap();
+    let names: Vec<&str> = head.split(',').collect();
+    let mut text = format!("{head}\n");
+    for line in lines {
+        let cells = line.split(',').zip(&names);
+        let cells: Vec<String> = cells
+            .map(|(cell, name)| change(name, cell.parse().unwrap()).to_string())
+            .collect();
+        text.push_str(&format!("{}\n", cells.join(",")));
+    }
+    text
+}
+
+#[test]
+fn other_units_and_signs_are_hinted_at_by_estimates_and_fits() {
+    let server = arm();
+    let log = log(8000);
+    let is = |name: &str, what: [&str; 2]| what.contains(&name);
+    let degrees = changed(&log, |name, value| {
+        value
+            * if is(name, ["q1", "b.c.position"]) || is(name, ["qd1", "b.c.velocity"]) {
+                180.0 / std::f64::consts::PI
+            } else {
+                1.0
+            }
+    });
+    let against = changed(&log, |name, value| {
+        value * if is(name, ["tau1", "b.c.torque"]) { -1.0 } else { 1.0 }
+    });
+    let slow = changed(&log, |name, value| value * if name == "t" { 1e3 } else { 1.0 });
+    for (text, part) in [
+        (&degrees, "is it in degrees?"),
+        (&against, "runs against the model's torque"),
+        (&slow, "are times milliseconds?"),
+        (&log, ""),
+    ] {
+        let said = call(&server, &["drive", "estimate", "arm", "-"], text);
+        let hints: Vec<&str> = said.output.lines().filter(|line| line.contains('?')).collect();
+        assert_eq!(hints.len(), usize::from(!part.is_empty()), "{part}: {}", said.output);
+        assert!(hints.iter().all(|hint| hint.contains(part)), "{hints:?}");
+    }
+    let said = call(&server, &["drive", "fit", "arm", "-", "--scope", "friction"], &against);
+    assert!(
+        said.output.contains("runs against the model's torque"),
+        "{}{}",
+        said.output,
+        said.errors
+    );
+}
+
+#[test]
+fn a_side_that_nothing_tells_apart_is_refused_with_what_would() {
+    let server = arm();
+    for side in ["joint", "motor"] {
+        let said = call(&server, &["drive", "estimate", "arm", "-", "--side", side], &log(200));
+        assert_eq!(said.code, exit::USAGE, "{}", said.output);
+        for part in ["transmission_torque", "none on any joint", "side total"] {
+            assert!(said.errors.contains(part), "{part}: {}", said.errors);
+        }
+    }
+}
+
+#[test]
+fn values_that_are_no_numbers_are_counted_and_located() {
+    let server = arm();
+    let mut row = 0;
+    let holes: String = log(6000)
+        .lines()
+        .map(|line| {
+            row += 1;
+            let mut cells: Vec<&str> = line.split(',').collect();
+            if row % 1000 == 17 {
+                cells[3] = "nan";
+            }
+            cells.join(",") + "\n"
+        })
+        .collect();
+    let sentence = "joint a, torque: 6 values that are no numbers, the first in line 17";
+    let fit = call(&server, &["drive", "fit", "arm", "-"], &holes);
+    assert_eq!(fit.code, exit::USAGE, "{}", fit.output);
+    assert!(fit.errors.contains(sentence), "{}", fit.errors);
+    let estimate = call(&server, &["drive", "estimate", "arm", "-"], &holes);
+    assert_eq!(estimate.code, exit::OK, "{}", estimate.errors);
+    assert!(estimate.errors.contains(sentence), "{}", estimate.errors);
 }
 
 #[test]
@@ -184,5 +342,11 @@ fn what_is_wrong_with_a_log_is_said_with_what_to_do() {
     let still = format!("t,q1,qd1,tau1,q2,qd2,tau2\n{still}");
     let said = call(&server, &["drive", "estimate", "arm", "-"], &still);
     assert_eq!(said.code, exit::NO);
-    assert!(said.output.contains("missing:"), "{}", said.output);
+    let missing: Vec<&str> = said.output.lines().filter(|line| line.contains("missing:")).collect();
+    assert!(
+        missing.len() == 1 && missing[0].contains("a, b.c"),
+        "one for both: {}",
+        said.output
+    );
+    assert!(said.output.contains("no sample counted"), "{}", said.output);
 }

@@ -43,6 +43,8 @@ use crate::robot::Robot;
 use crate::tolerance::{ESTIMATE_FILTER_MEMORY, ESTIMATE_OBSERVER_MEMORY, TELEMETRY_BUDGET_STRIDE};
 
 pub use combination::{Combination, MotorTorqueSource, PositionSource, TransmissionTorqueSource};
+pub(super) use model::known;
+
 pub use law::{FrictionLaw, TERMS_MAX, Term};
 pub use options::{EstimatorMethod, EstimatorOptions, FrictionSide, Memory, Prior};
 pub use report::{
@@ -130,7 +132,7 @@ impl FrictionEstimator {
             return Err(findings);
         }
         let mut models: Vec<JointModel> = (0..count)
-            .map(|joint| JointModel::new(&robot, joint, options.side))
+            .map(|joint| JointModel::new(&robot, joint, options.side, options.law))
             .collect();
         let joints = models
             .iter_mut()

@@ -5,7 +5,10 @@ use std::sync::Arc;
 use takt_motion::{
     Invalid,
     budget::Budget,
-    drive::estimate::{FrictionEstimator, UpdateError},
+    drive::{
+        estimate::{FrictionEstimator, UpdateError},
+        log_hints::LogHints,
+    },
 };
 use takt_proto::{
     convert::{self, Findings, Path},
@@ -37,6 +40,7 @@ const LONGEST_PERIOD_S: f64 = 86_400.0;
 pub(crate) struct Estimating {
     robot: Arc<Compiled>,
     estimator: FrictionEstimator,
+    hints: LogHints,
     provenance: v1::Provenance,
     period: f64,
     /// Time of the telemetry from which on the next answer is due; `None` before the first sample.
@@ -76,6 +80,7 @@ impl Estimating {
                 let list = list.map(|found| convert::drive::finding_on_header(found, &header, robot.robot.spec()));
                 ServiceError::invalid(list.collect())
             };
+            let hints = LogHints::new(loaded.clone());
             let estimator = match &header.state {
                 None => FrictionEstimator::new(loaded, options).map_err(found)?,
                 Some(state) => {
@@ -85,6 +90,7 @@ impl Estimating {
             Ok(Self {
                 robot,
                 estimator,
+                hints,
                 provenance,
                 period,
                 due: None,
@@ -121,6 +127,7 @@ impl Estimating {
             }
             UpdateError::Stopped => ServiceError::deadline(),
         })?;
+        self.hints.add_telemetry(&read);
         let last = read.time.iter().rev().find(|time| time.is_finite());
         match last {
             Some(last) if self.is_due(*last) => Ok(Some(self.answer()?)),
@@ -147,6 +154,7 @@ impl Estimating {
     fn answer(&mut self) -> Result<v1::EstimateFrictionResponse, ServiceError> {
         let report = self.estimator.report();
         let mut answer = convert::drive::estimate_to_wire(&report, self.robot.robot.spec());
+        answer.warnings = self.hints.messages();
         if !finite::estimate(&answer) {
             return Err(not_finite());
         }

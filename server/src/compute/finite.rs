@@ -83,7 +83,17 @@ pub(super) fn estimate(answer: &v1::EstimateFrictionResponse) -> bool {
             ];
             all(&numbers)
                 && all(&joint.covariance)
-                && every(coefficients.map(|one| [one.value, one.standard_error, one.lower, one.upper]))
+                && every(coefficients.map(|one| {
+                    let committed = one.committed.unwrap_or(0.0);
+                    [
+                        one.value,
+                        one.standard_error,
+                        one.lower,
+                        one.upper,
+                        one.model,
+                        committed,
+                    ]
+                }))
         })
 }
 

@@ -13,6 +13,7 @@ use takt_motion::{
         recording::Selection,
         report::{Assessment, MotionFit, MotionOutcome, Scope},
     },
+    drive::log_hints::LogHints,
     plan,
     robot::Robot,
 };
@@ -77,6 +78,9 @@ pub(crate) fn fit_drive(
             Span::current().record("outcome", "fit");
             let fitted = Robot::new(fit.spec.clone(), Vec::new()).map_err(|list| unusable(&list))?;
             let mut answer = convert::fit::fit_to_wire(&fit, spec);
+            // what is wrong with the log comes before what is odd in its fit
+            let hints = LogHints::of_recording(&loaded, &read.recording);
+            answer.warnings.splice(0..0, hints);
             let to_wire = |assessment: Option<Assessment>| {
                 assessment.map(|assessment| convert::fit::assessment_to_wire(&assessment, spec))
             };

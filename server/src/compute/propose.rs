@@ -4,7 +4,10 @@
 
 use std::sync::Arc;
 
-use takt_motion::robot::spec::{Drive, Inertial, JointSpec, Parameter, Residual, RobotSpec, Uncertainty};
+use takt_motion::{
+    drive::friction_change::friction_changes,
+    robot::spec::{Drive, Inertial, JointSpec, Parameter, Residual, RobotSpec, Uncertainty},
+};
 use takt_proto::{convert, v1};
 
 use crate::registry::Compiled;
@@ -15,7 +18,14 @@ pub(super) struct Proposal {
     description: v1::RobotDescription,
     /// Indices of the joints that change.
     joints: Vec<usize>,
-    warnings: Vec<String>,
+    friction: Vec<v1::FrictionChange>,
+    warnings: Vec<Warning>,
+}
+
+/// What is said of some joints, or of none.
+struct Warning {
+    joints: Vec<usize>,
+    text: String,
 }
 
 /// How well what changes is known: it is independent of what stays.
@@ -33,6 +43,7 @@ impl Proposal {
             robot: Arc::clone(robot),
             description,
             joints: Vec::new(),
+            friction: Vec::new(),
             warnings: Vec::new(),
         }
     }
@@ -41,11 +52,17 @@ impl Proposal {
         self.robot.robot.spec()
     }
 
-    /// Says something of a joint.
+    /// Says something of a joint; what is said of several is one warning.
     pub(super) fn warn(&mut self, joint: usize, texts: impl IntoIterator<Item = String>) {
-        let name = self.spec().joints[joint].name.clone();
-        let texts = texts.into_iter().map(|text| format!("joint {name}: {text}"));
-        self.warnings.extend(texts);
+        for text in texts {
+            match self.warnings.iter_mut().find(|warning| warning.text == text) {
+                Some(warning) => warning.joints.push(joint),
+                None => self.warnings.push(Warning {
+                    joints: vec![joint],
+                    text,
+                }),
+            }
+        }
     }
 
     /// Changes friction, rotor inertia and transmission of a joint's drive; what the change returns is handed on.
@@ -54,6 +71,9 @@ impl Proposal {
         let spec = &self.robot.robot.spec().joints[joint];
         let mut drive = spec.drive.clone();
         let said = change(&mut drive);
+        let changes = friction_changes(&spec.drive, &drive).into_iter();
+        let changes = changes.map(|change| convert::drive::friction_change_to_wire(change, &spec.name));
+        self.friction.extend(changes);
         let entries = &mut self.description.joints;
         let place = entries
             .iter()
@@ -120,10 +140,12 @@ impl Proposal {
         let residuals = known.residuals.iter().enumerate();
         let residuals = residuals.map(|(joint, residual)| residual.or_else(|| Some(before?.residuals[joint])));
         let Some(residuals) = residuals.collect::<Option<Vec<_>>>() else {
-            self.warnings.push(
-                "how well it is known is left out: not every joint has moved for long enough to say what is left of its torque"
+            self.warnings.push(Warning {
+                joints: Vec::new(),
+                text: "how well it is known is left out: not every joint has moved for long enough to say what is left of its \
+                       torque"
                     .to_owned(),
-            );
+            });
             self.description.uncertainty = None;
             return;
         };
@@ -161,8 +183,24 @@ impl Proposal {
                 .map(|joint| spec.joints[*joint].name.clone())
                 .collect(),
             description: Some(self.description),
-            warnings: self.warnings,
+            warnings: self.warnings.iter().map(|warning| warning.sentence(spec)).collect(),
+            friction: self.friction,
         })
+    }
+}
+
+impl Warning {
+    fn sentence(&self, spec: &RobotSpec) -> String {
+        let names: Vec<&str> = self
+            .joints
+            .iter()
+            .map(|joint| spec.joints[*joint].name.as_str())
+            .collect();
+        match names[..] {
+            [] => self.text.clone(),
+            [name] => format!("joint {name}: {}", self.text),
+            _ => format!("joints {}: {}", names.join(", "), self.text),
+        }
     }
 }
 

@@ -2,9 +2,9 @@
 
 use clap::Args;
 use serde::Deserialize;
-use takt_client::{Client, v1};
+use takt_client::{Client, Code, v1};
 
-use crate::{commands::context, exit, failure::Failure, files, io::Io};
+use crate::{commands::context, exit, failure::Failure, files, io::Io, render::friction};
 
 /// Registers what an estimate or a fit proposes as a new revision of the robot.
 #[derive(Debug, Args)]
@@ -17,7 +17,8 @@ Examples:
   takt drive commit ur5e estimate.json --note 'after the gear was changed'
 
 The new revision says where it comes from (`takt robot show ROBOT --description`, under `origin`), and plans use its
-friction from then on; plans that name the old revision do not change. A robot that has been changed since the estimate
+friction from then on; plans that name the old revision do not change. What every coefficient was and becomes is listed, of both
+sides of the gear together. The same answer a second time changes nothing and says so. A robot that has been changed since the estimate
 began is not touched: estimate again on what is there now, or see `takt robot show ROBOT --revisions`.")]
 pub(crate) struct CommitArgs {
     /// The robot.
@@ -44,11 +45,11 @@ struct Answer {
 pub(super) async fn run(args: CommitArgs, client: &Client, io: &mut Io) -> Result<u8, Failure> {
     let text = files::read(&args.estimate, io)?;
     let answer: Answer = files::message(&args.estimate, last_line(&text))?;
-    let Some(proposal) = answer.proposal else {
+    let Some(mut proposal) = answer.proposal else {
         let failure = Failure::usage(format!("{} proposes no change", args.estimate));
         return Err(failure.hint("its `missing` says what the motion would have to have, joint by joint"));
     };
-    let mut description = proposal.description.unwrap_or_default();
+    let mut description = proposal.description.take().unwrap_or_default();
     if let Some(note) = &args.note {
         let origin = description.origin.get_or_insert_default();
         origin.note = match origin.note.is_empty() {
@@ -62,15 +63,31 @@ pub(super) async fn run(args: CommitArgs, client: &Client, io: &mut Io) -> Resul
         expected_revision: Some(proposal.base_revision.clone()),
         validate_only: args.validate_only.then_some(true),
     };
-    let reply = client.register_robot(request).await?;
-    for warning in &proposal.warnings {
-        io.remark(&format!("warning: {warning}"))?;
+    let (reply, is_there) = match client.register_robot(request.clone()).await {
+        Ok(reply) => (reply, false),
+        Err(error) if error.code() == Code::Conflict => match is_there(client, request).await? {
+            Some(reply) => (reply, true),
+            None => return Err(error.into()),
+        },
+        Err(error) => return Err(error.into()),
+    };
+    if !is_there {
+        for warning in &proposal.warnings {
+            io.remark(&format!("warning: {warning}"))?;
+        }
     }
     if args.json {
         context::print_json(&reply, io)?;
         return Ok(exit::OK);
     }
     let robot = reply.robot.unwrap_or_default();
+    if is_there {
+        io.print(&format!(
+            "nothing to do: this is there already, {} revision {}\n",
+            args.robot_id, robot.revision
+        ))?;
+        return Ok(exit::OK);
+    }
     let done = if args.validate_only {
         "valid, nothing stored"
     } else {
@@ -84,7 +101,24 @@ pub(super) async fn run(args: CommitArgs, client: &Client, io: &mut Io) -> Resul
         proposal.joints.join(", ")
     );
     io.print(&text)?;
+    io.print(&friction::changes(&proposal.friction, &robot, io.terminal))?;
     Ok(exit::OK)
+}
+
+/// The current revision, where it is what was to be committed: a revision is its content.
+async fn is_there(
+    client: &Client,
+    request: v1::RegisterRobotRequest,
+) -> Result<Option<v1::RegisterRobotResponse>, Failure> {
+    let current = context::robot(client, &request.robot_id, None).await?;
+    let wanted = v1::RegisterRobotRequest {
+        expected_revision: None,
+        validate_only: Some(true),
+        ..request
+    };
+    let reply = client.register_robot(wanted).await?;
+    let revision = reply.robot.as_ref().map(|robot| robot.revision.as_str());
+    Ok((revision == Some(current.revision.as_str())).then_some(reply))
 }
 
 /// Of JSON lines the last one; else the text.

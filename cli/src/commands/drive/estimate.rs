@@ -43,6 +43,7 @@ or by name. At least the position and what the motor does:
   theta1           elbow_joint.motor_position                         of the motor: rad
   tauj1            elbow_joint.transmission_torque                    of a sensor behind the gear: N m or N
   tauext1          elbow_joint.external_torque                        on the surroundings: N m or N
+Times may be in other units: t_ms, t_us, t_ns. Semicolons and tabs part cells too, and numbers may then have a decimal comma.
 Empty cells and NaN are missing values: their samples are passed over and counted. Lines of JSON are blocks of
 `Telemetry` as the API has them.
 
@@ -62,7 +63,7 @@ pub(crate) struct EstimateArgs {
     /// A Coulomb torque for each direction.
     #[arg(long)]
     by_direction: bool,
-    /// Also a Coulomb torque in proportion to the gravity torque.
+    /// Also a Coulomb torque in proportion to the gravity torque. Terms that are not asked for are held at the model's values.
     #[arg(long)]
     load: bool,
     /// Also a torque in proportion to the speed squared.
@@ -122,9 +123,9 @@ enum MethodName {
 enum SideName {
     /// All friction, as torque margins need it.
     Total,
-    /// What is behind the gear; takes a torque sensor.
+    /// What is behind the gear; takes tauj (a torque sensor), or a model that has the motor's friction.
     Joint,
-    /// What is before the gear.
+    /// What is before the gear; takes tauj, or a model that has the joint's friction.
     Motor,
 }
 
@@ -152,6 +153,9 @@ pub(super) async fn run(args: EstimateArgs, client: &Client, io: &mut Io) -> Res
             said = now;
         }
         last = Some(estimate);
+    }
+    for remark in troubles.remarks() {
+        io.remark(&remark)?;
     }
     if let Some(failure) = troubles.take() {
         return Err(failure);

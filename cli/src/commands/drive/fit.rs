@@ -12,7 +12,7 @@ use crate::{
     failure::Failure,
     files,
     io::Io,
-    log::Header,
+    log::{Header, Missing},
     numbers,
     render::fit as render,
 };
@@ -148,8 +148,17 @@ fn recording(text: &str, robot: &v1::Robot, current: bool, io: &mut Io) -> Resul
         io.remark(&format!("columns passed over: {}", header.ignored.join(", ")))?;
     }
     let mut recording = header.block();
+    let mut missing = Missing::default();
     for (index, line) in lines {
         header.add(line, index + 1, &mut recording)?;
+        missing.count(&header, &mut recording, index + 1);
+    }
+    let missing = missing.sentences(&names);
+    if !missing.is_empty() {
+        let failure = Failure::usage(missing.join("\n"));
+        return Err(
+            failure.hint("a fit needs every sample: leave out what is no number line by line, or cut the log there")
+        );
     }
     let has_torque = recording.joints.iter().any(|joint| !joint.torque.is_empty());
     recording.joints = recording

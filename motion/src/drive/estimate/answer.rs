@@ -37,6 +37,7 @@ impl FrictionEstimator {
         let (covariance, degrees_of_freedom) = self.covariance(joint);
         let width = quantile::student(degrees_of_freedom.unwrap_or(f64::INFINITY), TAIL);
         let before = &self.models[index].deviations;
+        let known = law.coefficients(&self.models[index].known);
         let values = joint.coefficients(self.options.method);
         let coefficients: Vec<Coefficient> = (0..count)
             .map(|term| {
@@ -44,6 +45,7 @@ impl FrictionEstimator {
                 Coefficient {
                     term: law.term(term),
                     value: values[term],
+                    known: known[term],
                     deviation,
                     lower: values[term] - width * deviation,
                     upper: values[term] + width * deviation,

@@ -10,11 +10,13 @@
 //!
 //! τJ is what a torque sensor behind the gear reads, or else τE(Φ) + D·Φ̇ of the deformation Φ = Θ − q, which takes both
 //! positions and a stiffness. One position alone stands for both, Θ = q: a stiff transmission. Positions alone, or torques alone, say
-//! nothing. Where several rows serve, the upper one is taken.
+//! nothing. Where several rows serve, the upper one is taken. Rows that take the other side from the model are refused where the model has
+//! no friction there on any joint: the total would pass for one side's.
 
 use crate::drive::telemetry::Signals;
 use crate::error::Invalid;
 use crate::robot::Robot;
+use crate::robot::spec::{Drive, Friction};
 
 use super::options::{EstimatorMethod, EstimatorOptions, FrictionSide};
 
@@ -109,6 +111,9 @@ impl Combination {
             };
             findings.push(Invalid::new("motor_torque", message));
         }
+        if findings.is_empty() && transmission_torque.is_none() {
+            known_other_side(robot, options.side, &mut findings);
+        }
         observer(robot, options, needs_motor, &mut findings);
         if !findings.is_empty() {
             return Err(findings);
@@ -171,6 +176,23 @@ fn transmission_torque(robot: &Robot, signals: Signals, filtered: bool) -> Optio
     (both && is_elastic && filtered).then_some(TransmissionTorqueSource::Deformation)
 }
 
+/// Without a torque of the transmission, one side is the total less the other, which the model must know.
+fn known_other_side(robot: &Robot, side: FrictionSide, findings: &mut Vec<Invalid>) {
+    let (other, known): (_, fn(&Drive) -> &Friction) = match side {
+        FrictionSide::Total => return,
+        FrictionSide::Joint => ("motor's", |drive| &drive.motor_friction),
+        FrictionSide::Motor => ("joint's", |drive| &drive.joint_friction),
+    };
+    if robot.spec().joints.iter().any(|joint| !known(&joint.drive).is_zero()) {
+        return;
+    }
+    let message = format!(
+        "friction of one side takes transmission_torque, or motor_position beside output_position with a stiffness on every \
+         joint, or a model that has the {other} side's friction: this one has none on any joint; side total takes what is given"
+    );
+    findings.push(Invalid::new("transmission_torque", message));
+}
+
 fn observer(robot: &Robot, options: &EstimatorOptions, needs_motor: bool, findings: &mut Vec<Invalid>) {
     if options.method != EstimatorMethod::Observer {
         return;
@@ -208,6 +230,8 @@ mod tests {
 
     fn of(side: FrictionSide, names: &[&str], elastic: bool) -> Result<Combination, Vec<Invalid>> {
         let mut spec = planar();
+        spec.joints[1].drive.motor_friction.viscous = 1e-4;
+        spec.joints[1].drive.joint_friction.viscous = 1.0;
         if elastic {
             for joint in &mut spec.joints {
                 joint.drive.stiffness = vec![1e4];
@@ -251,6 +275,32 @@ mod tests {
         );
         let path = path(of(FrictionSide::Total, &["output", "current"], false));
         assert_eq!(path, "joints[0].drive.torque_constant");
+    }
+
+    /// Without anything that tells the sides apart, the total would pass for one of them.
+    #[test]
+    fn a_side_needs_a_sensor_or_a_model_of_the_other_side() {
+        let without = |side| {
+            let mut spec = planar();
+            for joint in &mut spec.joints {
+                joint.drive.motor_friction = Friction::default();
+                joint.drive.joint_friction = Friction::default();
+            }
+            let options = EstimatorOptions {
+                side,
+                ..EstimatorOptions::default()
+            };
+            Combination::of(&robot(spec), &options, signals(&["output", "torque"]))
+        };
+        assert!(without(FrictionSide::Total).is_ok());
+        for (side, other) in [
+            (FrictionSide::Joint, "motor's side"),
+            (FrictionSide::Motor, "joint's side"),
+        ] {
+            let found = without(side).expect_err("nothing tells them apart");
+            assert_eq!((found.len(), found[0].path.as_str()), (1, "transmission_torque"));
+            assert!(found[0].message.contains(other), "{found:?}");
+        }
     }
 
     #[test]

@@ -1,10 +1,14 @@
 //! An estimate as the friction of a model, for its next revision.
 //!
+//! The estimate replaces the terms of its law. Every other term was held at the model's value while it was made (`model`), so
+//! that both together are what was measured: it stays.
+//!
 //! Friction takes power at every speed: no coefficient is below 0. Where an estimate has one that is, it is set to 0 and the others
 //! move to where they are likeliest then (the mean of their normal distribution given that one: f − Σ·e·fᵢ/Σᵢᵢ).
 
 use super::factor::lower;
 use super::law::{FrictionLaw, at_the_joint};
+use super::model::known;
 use super::options::FrictionSide;
 use super::report::{CommittedFriction, JointEstimate};
 use crate::robot::spec::{Drive, Friction, Parameter, ParameterKind, Residual};
@@ -12,7 +16,7 @@ use crate::robot::spec::{Drive, Friction, Parameter, ParameterKind, Residual};
 use super::law::Term;
 
 impl JointEstimate {
-    /// The friction, seen from the joint, with what had to be changed so that it is physical.
+    /// The friction of the law's terms, seen from the joint, with what had to be changed so that it is physical.
     #[must_use]
     pub fn friction(&self) -> CommittedFriction {
         let mut values: Vec<f64> = self.coefficients.iter().map(|coefficient| coefficient.value).collect();
@@ -40,24 +44,50 @@ impl JointEstimate {
         }
     }
 
-    /// Puts the friction into a drive, in the place of that side's; the stiffness before sliding stays. The total friction
-    /// stands for both sides', and is stated at the joint. Returns what had to be changed so that it is physical.
+    /// What a commit writes, coefficient by coefficient, seen from the joint; `None` where the motion did not say enough.
+    #[must_use]
+    pub fn committed(&self) -> Option<Vec<f64>> {
+        let committed = || self.law.coefficients(&self.friction().friction)[..self.law.count()].to_vec();
+        self.missing.is_empty().then(committed)
+    }
+
+    /// Puts the friction into a drive, in the place of that side's; terms that the law does not have and the stiffness before
+    /// sliding stay. The total friction stands for both sides', and is stated at the joint. Returns what had to be changed so
+    /// that it is physical, and what was put together.
     pub fn commit(&self, drive: &mut Drive) -> Vec<String> {
-        let CommittedFriction { mut friction, warnings } = self.friction();
+        let CommittedFriction { friction, mut warnings } = self.friction();
+        // stated where they stand, so that what stays stays to the last digit
+        let keep = |friction: Friction, before: &Friction| {
+            let rest = self.law.rest(before);
+            Friction {
+                load_coulomb: friction.load_coulomb + rest.load_coulomb,
+                quadratic: friction.quadratic + rest.quadratic,
+                presliding_stiffness: before.presliding_stiffness,
+                ..friction
+            }
+        };
+        let before = known(drive, self.side);
+        if !self.law.by_direction && before.coulomb_positive.to_bits() != before.coulomb_negative.to_bits() {
+            warnings.push(format!(
+                "one Coulomb torque for both directions takes the place of the model's two, {:.4e} and {:.4e}",
+                before.coulomb_positive, before.coulomb_negative
+            ));
+        }
         match self.side {
             FrictionSide::Total => {
-                friction.presliding_stiffness = presliding(drive);
+                if !drive.motor_friction.is_zero() {
+                    warnings.push(
+                        "the total is stated at the joint: what the model had on the motor's side is part of it now"
+                            .to_owned(),
+                    );
+                }
                 drive.motor_friction = Friction::default();
-                drive.joint_friction = friction;
+                drive.joint_friction = keep(friction, &before);
             }
-            FrictionSide::Joint => {
-                friction.presliding_stiffness = drive.joint_friction.presliding_stiffness;
-                drive.joint_friction = friction;
-            }
+            FrictionSide::Joint => drive.joint_friction = keep(friction, &drive.joint_friction),
             FrictionSide::Motor => {
-                let mut motor = at_the_joint(&friction, 1.0 / drive.gear_ratio);
-                motor.presliding_stiffness = drive.motor_friction.presliding_stiffness;
-                drive.motor_friction = motor;
+                let motor = at_the_joint(&friction, 1.0 / drive.gear_ratio);
+                drive.motor_friction = keep(motor, &drive.motor_friction);
             }
         }
         warnings
@@ -131,16 +161,6 @@ fn condition(values: &mut [f64], covariance: &mut [f64], fixed: usize) {
     }
 }
 
-/// The stiffness before sliding that both sides have together, at the joint.
-fn presliding(drive: &Drive) -> Option<f64> {
-    let motor = at_the_joint(&drive.motor_friction, drive.gear_ratio).presliding_stiffness;
-    match (drive.joint_friction.presliding_stiffness, motor) {
-        // contacts that slide on either side of one gear deflect one after the other
-        (Some(joint), Some(motor)) => Some(joint.min(motor)),
-        (joint, motor) => joint.or(motor),
-    }
-}
-
 fn kinds(law: FrictionLaw, index: usize) -> &'static [ParameterKind] {
     match law.term(index) {
         Term::Coulomb => &[ParameterKind::CoulombPositive, ParameterKind::CoulombNegative],
@@ -164,6 +184,7 @@ mod tests {
             .map(|(index, &value)| Coefficient {
                 term: law.term(index),
                 value,
+                known: 0.0,
                 deviation: covariance[lower(index, index)].sqrt(),
                 lower: value,
                 upper: value,
@@ -240,10 +261,8 @@ mod tests {
         };
         let committed = |side| {
             let mut drive = drive.clone();
-            assert_eq!(
-                estimate(law, &[2.0, 3.0, 5.0], &covariance, side).commit(&mut drive),
-                [""; 0]
-            );
+            let said = estimate(law, &[2.0, 3.0, 5.0], &covariance, side).commit(&mut drive);
+            assert_eq!(said.len(), usize::from(side == FrictionSide::Total), "{said:?}");
             drive
         };
         let total = committed(FrictionSide::Total);
@@ -267,6 +286,69 @@ mod tests {
         let back = at_the_joint(&motor.motor_friction, drive.gear_ratio);
         assert!((back.viscous - 5.0).abs() < 1e-12 && (back.coulomb_positive - 2.0).abs() < 1e-12);
         assert_eq!(motor.motor_friction.presliding_stiffness, Some(2.0));
+    }
+
+    /// Digit by digit: a ratio there and back would leave 0.30000000000000004.
+    #[test]
+    fn terms_that_the_law_does_not_have_stay_where_they_are() {
+        let own = Friction {
+            coulomb_positive: 4.0,
+            coulomb_negative: 3.0,
+            load_coulomb: 0.06,
+            quadratic: 0.5,
+            presliding_stiffness: Some(9000.0),
+            ..Friction::default()
+        };
+        let motor = Friction {
+            load_coulomb: 0.02,
+            quadratic: 0.3e-5,
+            ..Friction::default()
+        };
+        let drive = Drive {
+            gear_ratio: -49.0,
+            motor_friction: motor,
+            joint_friction: own,
+            ..Drive::default()
+        };
+        let load = FrictionLaw {
+            load: true,
+            ..FrictionLaw::default()
+        };
+        for (law, side) in [FrictionLaw::default(), load]
+            .into_iter()
+            .flat_map(|law| [FrictionSide::Total, FrictionSide::Joint, FrictionSide::Motor].map(|side| (law, side)))
+        {
+            let values = &[2.0, 5.0, 0.1][..law.count()];
+            let mut after = drive.clone();
+            let said = estimate(
+                law,
+                values,
+                &[0.01, 0.0, 0.01, 0.0, 0.0, 0.01][..law.count() * (law.count() + 1) / 2],
+                side,
+            )
+            .commit(&mut after);
+            let [now, then] = [&after, &drive].map(|drive| known(drive, side));
+            assert_eq!(
+                (now.coulomb_positive, now.coulomb_negative),
+                if side == FrictionSide::Motor {
+                    let back = 49.0 * (2.0 / 49.0);
+                    (back, back)
+                } else {
+                    (2.0, 2.0)
+                }
+            );
+            assert_eq!(
+                now.load_coulomb,
+                if law.load { 0.1 } else { then.load_coulomb },
+                "{law:?} {side:?}"
+            );
+            assert_eq!(
+                (now.quadratic, now.presliding_stiffness),
+                (then.quadratic, then.presliding_stiffness)
+            );
+            let directions = said.iter().any(|text| text.contains("both directions"));
+            assert_eq!(directions, side != FrictionSide::Motor, "{said:?}");
+        }
     }
 
     #[test]

@@ -198,7 +198,7 @@ impl JointState {
         false
     }
 
-    /// What the torques leave for friction (and, for the observer, for the rotor) at a filtered motion.
+    /// What the torques leave for the law's terms of friction (and, for the observer, for the rotor) at a filtered motion.
     #[inline(always)]
     pub(super) fn balance(
         &self,
@@ -220,6 +220,7 @@ impl JointState {
         if combination.other_side_from_model {
             torque -= law::torque(&model.other_side, sliding, gravity);
         }
+        torque -= law::torque(&model.held, sliding, gravity);
         torque
     }
 
@@ -296,7 +297,7 @@ impl JointState {
         self.spread.add(square, step.seconds);
         self.excitation
             .add(sample.velocity, sample.gravity, step.worth.lambda(), step.seconds);
-        self.friction = torque;
+        self.friction = torque + sample.held;
         self.used += 1;
     }
 
@@ -319,8 +320,10 @@ impl JointState {
 /// One joint's filtered sample.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sample {
-    /// What the torques leave for friction and rotor.
+    /// What the torques leave for the law's terms of friction and for the rotor.
     pub(super) torque: f64,
+    /// Torque of the terms that are held at the model's values.
+    pub(super) held: f64,
     pub(super) velocity: f64,
     pub(super) gravity: f64,
     pub(super) rotor_velocity: f64,

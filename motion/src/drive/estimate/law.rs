@@ -123,6 +123,15 @@ impl FrictionLaw {
         coefficients
     }
 
+    /// The terms of a friction that the law does not have: an estimate holds them at their values.
+    pub(super) fn rest(self, friction: &Friction) -> Friction {
+        Friction {
+            load_coulomb: if self.load { 0.0 } else { friction.load_coulomb },
+            quadratic: if self.quadratic { 0.0 } else { friction.quadratic },
+            ..Friction::default()
+        }
+    }
+
     /// The friction that has these coefficients, at the joint.
     pub(super) fn friction(self, coefficients: &[f64]) -> Friction {
         let mut friction = Friction::default();

@@ -5,13 +5,13 @@ use super::excitation::Excitation;
 use super::factor::{UnitFactor, lower};
 use super::joint::JointState;
 use super::kalman::Kalman;
-use super::law::{TERMS_MAX, TRIANGLE, at_the_joint};
+use super::law::{FrictionLaw, TERMS_MAX, TRIANGLE, at_the_joint};
 use super::least_squares::LeastSquares;
 use super::options::{EstimatorOptions, FrictionSide};
 use super::spread::Spread;
 use crate::error::Invalid;
 use crate::robot::Robot;
-use crate::robot::spec::Friction;
+use crate::robot::spec::{Drive, Friction};
 use crate::tolerance::{ESTIMATE_NOISE_PART, ESTIMATE_PRIOR_PART, ESTIMATE_TORQUE_DEFAULT, ESTIMATE_VELOCITY_DEFAULT};
 
 const SECONDS_IN_HOUR: f64 = 3600.0;
@@ -36,13 +36,18 @@ pub(super) struct JointModel {
     pub(super) damping: f64,
     /// Friction of the side that is not estimated, at the joint.
     pub(super) other_side: Friction,
+    /// The friction that the model has of what is estimated, at the joint.
+    pub(super) known: Friction,
+    /// Those terms of it that the law does not have: they are taken off the balance, and stay in the model.
+    pub(super) held: Friction,
     /// Standard deviations of the coefficients beforehand.
     pub(super) deviations: [f64; TERMS_MAX],
 }
 
 impl JointModel {
-    pub(super) fn new(robot: &Robot, joint: usize, side: FrictionSide) -> Self {
+    pub(super) fn new(robot: &Robot, joint: usize, side: FrictionSide, law: FrictionLaw) -> Self {
         let drive = &robot.spec().joints[joint].drive;
+        let known = known(drive, side);
         Self {
             gear_ratio: drive.gear_ratio,
             joint_over_motor: 1.0 / drive.gear_ratio,
@@ -58,6 +63,8 @@ impl JointModel {
                 FrictionSide::Motor => drive.joint_friction,
                 FrictionSide::Total => Friction::default(),
             },
+            known,
+            held: law.rest(&known),
             deviations: [0.0; TERMS_MAX],
         }
     }
@@ -123,7 +130,7 @@ impl JointModel {
             mean[..count].copy_from_slice(&prior.mean);
             covariance[..prior.covariance.len()].copy_from_slice(&prior.covariance);
         } else {
-            mean = law.coefficients(&self.known(robot, joint, options.side));
+            mean = law.coefficients(&self.known);
             for index in 0..count {
                 let deviation = ESTIMATE_PRIOR_PART * torque / scales[index];
                 covariance[lower(index, index)] = deviation * deviation;
@@ -174,24 +181,32 @@ impl JointModel {
             skipped: Default::default(),
         })
     }
+}
 
-    /// The friction that the model has on the side that is estimated, at the joint.
-    fn known(&self, robot: &Robot, joint: usize, side: FrictionSide) -> Friction {
-        let drive = &robot.spec().joints[joint].drive;
-        let motor = at_the_joint(&drive.motor_friction, drive.gear_ratio);
-        let own = drive.joint_friction;
-        match side {
-            FrictionSide::Joint => own,
-            FrictionSide::Motor => motor,
-            FrictionSide::Total => Friction {
-                viscous: own.viscous + motor.viscous,
-                coulomb_positive: own.coulomb_positive + motor.coulomb_positive,
-                coulomb_negative: own.coulomb_negative + motor.coulomb_negative,
-                load_coulomb: own.load_coulomb + motor.load_coulomb,
-                quadratic: own.quadratic + motor.quadratic,
-                presliding_stiffness: None,
-            },
-        }
+/// The friction that a drive has on a side, at the joint.
+pub(in crate::drive) fn known(drive: &Drive, side: FrictionSide) -> Friction {
+    let motor = at_the_joint(&drive.motor_friction, drive.gear_ratio);
+    let own = drive.joint_friction;
+    match side {
+        FrictionSide::Joint => own,
+        FrictionSide::Motor => motor,
+        FrictionSide::Total => Friction {
+            viscous: own.viscous + motor.viscous,
+            coulomb_positive: own.coulomb_positive + motor.coulomb_positive,
+            coulomb_negative: own.coulomb_negative + motor.coulomb_negative,
+            load_coulomb: own.load_coulomb + motor.load_coulomb,
+            quadratic: own.quadratic + motor.quadratic,
+            presliding_stiffness: presliding(own.presliding_stiffness, motor.presliding_stiffness),
+        },
+    }
+}
+
+/// The stiffness before sliding that both sides have together, at the joint.
+fn presliding(joint: Option<f64>, motor: Option<f64>) -> Option<f64> {
+    match (joint, motor) {
+        // contacts that slide on either side of one gear deflect one after the other
+        (Some(joint), Some(motor)) => Some(joint.min(motor)),
+        (joint, motor) => joint.or(motor),
     }
 }
 

@@ -90,6 +90,8 @@ pub struct Coefficient {
     pub term: Term,
     /// Its value.
     pub value: f64,
+    /// What the model has of it. Of one Coulomb torque for both directions: the mean of the model's two.
+    pub known: f64,
     /// Standard error.
     pub deviation: f64,
     /// Lower end of the 95 % interval.

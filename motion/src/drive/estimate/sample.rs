@@ -4,6 +4,7 @@ use std::f64::consts::LN_2;
 
 use super::filter::FilterStep;
 use super::joint::{Given, JointState, Reading, Sample, Step};
+use super::law;
 use super::least_squares::Worth;
 use super::observer::LagStep;
 use super::{
@@ -144,7 +145,8 @@ impl FrictionEstimator {
 
     /// Torque of the rigid body in the filtered motion, and gravity's part of it, where they are asked for.
     fn weigh(&mut self, combination: &Combination) {
-        if !(combination.needs_rigid_torque() || self.rules.law.load) {
+        let holds_load = self.models.iter().any(|model| model.held.load_coulomb != 0.0);
+        if !(combination.needs_rigid_torque() || self.rules.law.load || holds_load) {
             return;
         }
         let scratch = &mut self.scratch;
@@ -181,6 +183,7 @@ impl FrictionEstimator {
             let (rotor_velocity, rotor_acceleration) = rotor(joint, given, scratch.qd[index]);
             let sample = Sample {
                 torque: joint.balance(model, combination, velocity, gravity, scratch.rigid[index]),
+                held: law::torque(&model.held, velocity, gravity),
                 velocity,
                 gravity,
                 rotor_velocity,

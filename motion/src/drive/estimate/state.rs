@@ -17,8 +17,9 @@ use crate::drive::telemetry::Signals;
 use crate::error::Invalid;
 use crate::robot::Robot;
 
-/// Layout of the numbers; a state of another one is refused.
-const VERSION: u32 = 1;
+/// Layout of the numbers and what they are of; a state of another one is refused. 2: terms that the law does not have are
+/// taken off at the model's values.
+const VERSION: u32 = 2;
 
 /// What an estimator goes on from.
 #[derive(Debug, Clone, PartialEq, Default)]

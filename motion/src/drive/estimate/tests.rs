@@ -86,6 +86,61 @@ fn the_richer_law_finds_load_and_square_and_directions() {
     );
 }
 
+/// What the model knows of load and square is taken off: the two other terms come out as they are, and all four are committed.
+#[test]
+fn terms_that_the_law_does_not_have_are_held_at_the_models_values() {
+    let truth = Friction {
+        viscous: 1.5,
+        coulomb_positive: 4.0,
+        coulomb_negative: 4.0,
+        load_coulomb: 0.06,
+        quadratic: 0.5,
+        presliding_stiffness: None,
+    };
+    let bare = two_links();
+    let telemetry = Recording::of(&bare, &[truth; 2]).telemetry(0.0, 40.0);
+    let mut spec = bare.spec().clone();
+    for joint in &mut spec.joints {
+        joint.drive.motor_friction = Friction::default();
+        joint.drive.joint_friction = Friction {
+            coulomb_positive: 9.0,
+            coulomb_negative: 8.0,
+            viscous: 0.1,
+            presliding_stiffness: Some(5e3),
+            ..truth
+        };
+    }
+    let informed = crate::test_arms::robot(spec);
+    let estimate = |robot: &Robot| {
+        let mut estimator = FrictionEstimator::new(robot.clone(), options()).unwrap();
+        feed(&mut estimator, &telemetry, 100);
+        estimator.report()
+    };
+    let (with, without) = (estimate(&informed), estimate(&bare));
+    for (index, joint) in with.joints.iter().enumerate() {
+        let [coulomb, viscous] = [0, 1].map(|term| joint.coefficients[term]);
+        assert!(
+            (coulomb.value - 4.0).abs() < 0.1 && (viscous.value - 1.5).abs() < 0.1,
+            "{joint:?}"
+        );
+        assert_eq!((coulomb.known, viscous.known), (8.5, 0.1));
+        let mut drive = informed.spec().joints[index].drive.clone();
+        joint.commit(&mut drive);
+        let (load, quadratic) = (drive.joint_friction.load_coulomb, drive.joint_friction.quadratic);
+        assert_eq!(
+            (load, quadratic, drive.joint_friction.presliding_stiffness),
+            (0.06, 0.5, Some(5e3))
+        );
+    }
+    let missed = |report: &EstimateReport| (report.joints[0].coefficients[0].value - 4.0).abs();
+    assert!(
+        missed(&without) > 10.0 * missed(&with),
+        "{} {}",
+        missed(&without),
+        missed(&with)
+    );
+}
+
 /// Friction that changes is followed, and what came before is forgotten with the half-life.
 #[test]
 fn it_follows_a_change_of_friction() {

@@ -6,6 +6,7 @@ use takt_motion::{
         EstimateReport, EstimatorMethod, EstimatorOptions, EstimatorState, FrictionLaw, FrictionSide, JointEstimate,
         Memory, MissingExcitation, Prior, SkippedOfJoint, SkippedSamples, Term,
     },
+    drive::friction_change::{FrictionChange, FrictionTerm},
     robot::spec::RobotSpec,
 };
 
@@ -199,13 +200,18 @@ pub fn estimate_to_wire(report: &EstimateReport, robot: &RobotSpec) -> v1::Estim
 }
 
 fn of_joint(estimate: &JointEstimate, joint: &str) -> v1::FrictionEstimate {
-    let coefficients = estimate.coefficients.iter().map(|one| v1::FrictionCoefficient {
+    let committed = estimate.committed();
+    let committed = |index: usize| committed.as_ref().and_then(|values| values.get(index).copied());
+    let coefficients = estimate.coefficients.iter().enumerate();
+    let coefficients = coefficients.map(|(index, one)| v1::FrictionCoefficient {
         term: term(one.term).into(),
         value: one.value,
         standard_error: one.deviation,
         lower: one.lower,
         upper: one.upper,
         told: one.told,
+        model: one.known,
+        committed: committed(index),
     });
     v1::FrictionEstimate {
         joint: joint.to_owned(),
@@ -221,6 +227,26 @@ fn of_joint(estimate: &JointEstimate, joint: &str) -> v1::FrictionEstimate {
         missing: estimate.missing.iter().map(missing).collect(),
         degrees_of_freedom: estimate.degrees_of_freedom,
         residual_tails: estimate.residual_tails,
+    }
+}
+
+/// Writes what becomes of a joint's friction.
+#[must_use]
+pub fn friction_change_to_wire(change: FrictionChange, joint: &str) -> v1::FrictionChange {
+    use v1::friction_change::Term;
+    let term = match change.term {
+        FrictionTerm::CoulombPositive => Term::CoulombPositive,
+        FrictionTerm::CoulombNegative => Term::CoulombNegative,
+        FrictionTerm::Viscous => Term::Viscous,
+        FrictionTerm::LoadCoulomb => Term::LoadCoulomb,
+        FrictionTerm::Quadratic => Term::Quadratic,
+        FrictionTerm::PreslidingStiffness => Term::PreslidingStiffness,
+    };
+    v1::FrictionChange {
+        joint: joint.to_owned(),
+        term: term.into(),
+        before: change.before,
+        after: change.after,
     }
 }
 
