@@ -64,6 +64,8 @@ fn errors(fit: &v1::MotionFit, robot: &v1::Robot) -> Table {
         "of peak",
         "covered",
         "width",
+        "online",
+        "width",
     ])
     .numbers_from(1);
     let of = |assessment: &Option<v1::Assessment>, index: usize| {
@@ -75,6 +77,9 @@ fn errors(fit: &v1::MotionFit, robot: &v1::Robot) -> Table {
         let (before, after) = (of(&fit.before, index), of(&fit.after, index));
         let unit = Units::default().of(robot, &joint.joint).torque;
         let interval = after.as_ref().and_then(|after| after.interval);
+        let online = after.as_ref().and_then(|after| after.online);
+        let width = |interval: v1::IntervalAssessment| Cell::from(format!("x {:.2}", interval.over_narrowest));
+        let covered = |interval: v1::IntervalAssessment| Cell::from(percent(interval.coverage));
         table.row([
             Cell::from(joint.joint.clone()),
             Cell::from(percent(joint.fitted_error)),
@@ -90,8 +95,10 @@ fn errors(fit: &v1::MotionFit, robot: &v1::Robot) -> Table {
                 .as_ref()
                 .and_then(|after| after.percentile_of_peak)
                 .map_or_else(dash, |part| percent(part).into()),
-            interval.map_or_else(dash, |interval| percent(interval.coverage).into()),
-            interval.map_or_else(dash, |interval| format!("x {:.2}", interval.over_narrowest).into()),
+            interval.map_or_else(dash, covered),
+            interval.map_or_else(dash, width),
+            online.map_or_else(dash, covered),
+            online.map_or_else(dash, width),
         ]);
     }
     table
