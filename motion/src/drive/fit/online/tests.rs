@@ -173,7 +173,7 @@ fn nothing_younger_than_the_horizon_is_known() {
             .collect()
     };
     let plain = widths(&errors);
-    let mut struck = errors.clone();
+    let mut struck = errors;
     struck[200] += 50.0;
     let struck = widths(&struck);
     let after = 200 + horizon_samples(BAND, PERIOD);
