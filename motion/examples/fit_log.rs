@@ -290,6 +290,12 @@ fn write_assessment(out: &mut String, name: &str, assessment: &Assessment) -> Fa
         row("half width over the narrowest", &|j| {
             joints[j].interval.map(|i| i.over_narrowest)
         })?;
+        row("within the online 95 %, %", &|j| {
+            joints[j].online.map(|i| 100.0 * i.coverage)
+        })?;
+        row("half width over the narrowest", &|j| {
+            joints[j].online.map(|i| i.over_narrowest)
+        })?;
     }
     Ok(())
 }

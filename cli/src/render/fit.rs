@@ -80,7 +80,7 @@ fn percent(part: f64) -> String {
 /// Torque errors by joint: of the fit, and of the part to be compared with.
 fn errors(fit: &v1::MotionFit, robot: &v1::Robot) -> Table {
     let head = ["joint", "fitted", "left out"];
-    let of_test = ["before", "after", "95 % within", "of peak", "covered", "width"];
+    let of_test = ["before", "after", "95 % within", "of peak", "covered", "width", "online", "width"];
     let of_test = if fit.after.is_some() { &of_test[..] } else { &[] };
     let mut table = Table::new(head.iter().chain(of_test).copied()).numbers_from(1);
     let of = |assessment: &Option<v1::Assessment>, index: usize| {
@@ -88,6 +88,8 @@ fn errors(fit: &v1::MotionFit, robot: &v1::Robot) -> Table {
         assessment.and_then(|assessment| assessment.joints.get(index).cloned())
     };
     let dash = || Cell::new("–", Tone::Dim);
+    let width = |interval: v1::IntervalAssessment| Cell::from(format!("x {:.2}", interval.over_narrowest));
+    let covered = |interval: v1::IntervalAssessment| Cell::from(percent(interval.coverage));
     for (index, joint) in fit.joints.iter().enumerate() {
         let mut row = vec![
             Cell::from(joint.joint.clone()),
@@ -103,12 +105,10 @@ fn errors(fit: &v1::MotionFit, robot: &v1::Robot) -> Table {
                 Cell::new(percent(after.error), Tone::Bold),
                 format!("{} {unit}", number(after.percentile, 3)).into(),
                 peak.map_or_else(dash, |part| percent(part).into()),
-                after
-                    .interval
-                    .map_or_else(dash, |interval| percent(interval.coverage).into()),
-                after
-                    .interval
-                    .map_or_else(dash, |interval| format!("x {:.2}", interval.over_narrowest).into()),
+                after.interval.map_or_else(dash, covered),
+                after.interval.map_or_else(dash, width),
+                after.online.map_or_else(dash, covered),
+                after.online.map_or_else(dash, width),
             ]);
         }
         table.row(row);

@@ -26,6 +26,7 @@ mod free_bodies;
 mod least_squares;
 mod linear;
 mod normal;
+mod online;
 mod payload;
 mod pose;
 mod pseudo;

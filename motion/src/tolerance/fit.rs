@@ -64,6 +64,25 @@ pub(crate) const STUDENT_SCALE_RANGE: f64 = 3.0;
 /// uncertain by it.
 pub(crate) const REST_SPEED: f64 = 0.02;
 
+/// How far ahead an online interval is foretold, in periods of the band. The filter is without delay and reaches forwards as far as
+/// backwards: a sample's own deviation comes into residuals one period older with 3 % of its size, into newer ones with up to
+/// all of it. It is also how long a contact has to stand out before the interval follows it.
+pub(crate) const ONLINE_HORIZON_BANDS: f64 = 1.0;
+
+/// Memory of an online interval's correlation and deviation, in correlation times, and how much the model's stated ones count: about as many
+/// as a fit to ten seconds leaves out, so that both are worth the same. Of 4 and 8, on what was left out and on simulated residuals, 8 has the
+/// lesser interval score.
+pub(crate) const ONLINE_MEMORY: f64 = 8.0;
+
+/// By how much, as an exponent, an online interval widens over a miss that lasts as long as samples of a band are alike, half a period of
+/// it; at 95 % it gives back a twentieth of that in as long without one. Smaller follows too late, larger makes the interval swing of itself: at 0.12,
+/// 0.25 and 0.6 the coverage of some seconds spreads by 3.2, 2.6 and 1.9 %, at an interval score of 1.16, 1.23 and 1.52 times that of the best
+/// constant width.
+pub(crate) const ONLINE_GAIN: f64 = 0.25;
+
+/// Greatest factor between an online interval and the model's: beyond it the units are wrong, or the sensor is.
+pub(crate) const ONLINE_RATIO_MAX: f64 = 1.0e3;
+
 /// Shortest motion that is fitted, in periods of the band: as many stretches as the cross-validation leaves out.
 pub(crate) const FIT_PERIODS_MIN: f64 = 10.0;
 

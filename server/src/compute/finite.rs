@@ -118,6 +118,7 @@ pub(super) fn fit(answer: &v1::MotionFit) -> bool {
     let assessed = answer.before.iter().chain(&answer.after).flat_map(|one| &one.joints);
     let assessed = assessed.map(|one| {
         let interval = one.interval.unwrap_or_default();
+        let online = one.online.unwrap_or_default();
         [
             one.error,
             one.percentile,
@@ -125,6 +126,9 @@ pub(super) fn fit(answer: &v1::MotionFit) -> bool {
             interval.coverage,
             interval.half_width,
             interval.over_narrowest,
+            online.coverage,
+            online.half_width,
+            online.over_narrowest,
         ]
     });
     all(&[answer.ridge.unwrap_or(0.0), answer.determined])

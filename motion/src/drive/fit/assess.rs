@@ -2,10 +2,12 @@
 //!
 //! The interval of 95 % at a sample is that of Student's distribution with the variance φᵀ·Σ·φ + s² (φ: derivatives of the torque by the
 //! fitted parameters, Σ: their covariance, s: deviation of the residual). Below `REST_SPEED` friction may be anything between its two
-//! directions, and the interval is wider by the Coulomb torque.
+//! directions, and the interval is wider by the Coulomb torque. That is what plans keep. A controller that watches its torques knows more:
+//! the second interval also follows the residual, a period of the band behind it (`super::online`).
 
 use super::design::Design;
 use super::linear::dot;
+use super::online::{OnlineInterval, horizon_samples};
 use super::recording::{self, Recording, Selection};
 use super::report::{Assessment, IntervalAssessment, JointAssessment, Scope};
 use super::signals::Signals;
@@ -52,35 +54,40 @@ pub fn assess(
     let (from, to) = signals.selected;
     let mut joints = Vec::with_capacity(robot.joint_count());
     for (j, rows) in design.rows.iter().enumerate() {
-        let errors: Vec<f64> = rows
-            .residual_of(&unknowns.described, from, to)
-            .iter()
-            .map(|e| e.abs())
-            .collect();
+        let errors = rows.residual_of(&unknowns.described, from, to);
         let torque = signals.of(&signals.torque[j]);
-        let percentile = part_below(&errors, CONFIDENCE);
-        let mut half_widths = Vec::new();
+        let percentile = part_below(errors.iter().map(|e| e.abs()).collect(), CONFIDENCE);
+        let (mut interval, mut online) = (None, None);
         if let (Some(uncertainty), Some(covariance)) = (uncertainty, &covariance) {
-            let interval = Interval::new(&uncertainty.residuals[j], coulomb(&unknowns, j));
-            for sample in from..to {
+            let residual = &uncertainty.residuals[j];
+            let stated = Interval::new(residual, coulomb(&unknowns, j));
+            let mut watched = OnlineInterval::new(residual, CONFIDENCE, selection.band, signals.period);
+            let mut tallies = [Tally::default(), Tally::default()];
+            for (sample, error) in (from..to).zip(&errors) {
                 if sample % BUDGET_STRIDE == 0 {
                     budget.check()?;
                 }
-                let variance = rows.variance(covariance, unknowns.count(), sample);
-                half_widths.push(interval.half_width(variance, signals.qd[j][sample]));
+                let moving = stated.moving(rows.variance(covariance, unknowns.count(), sample));
+                let allowance = stated.allowance(signals.qd[j][sample]);
+                tallies[0].add(error.abs() <= moving + allowance, moving + allowance);
+                let foretold = watched.next(moving, allowance, *error);
+                tallies[1].add(foretold.holds(*error), foretold.half_width);
             }
+            [interval, online] = tallies.map(|tally| Some(tally.over(percentile)));
         }
         let peak = robot.spec().joints[j].drive.peak_torque;
         joints.push(JointAssessment {
             error: (dot(&errors, &errors) / dot(torque, torque).max(f64::MIN_POSITIVE)).sqrt(),
             percentile,
             percentile_of_peak: peak.map(|peak| percentile / peak),
-            interval: (!half_widths.is_empty()).then(|| compare(&errors, &half_widths, percentile)),
+            interval,
+            online,
         });
     }
     Ok(Assessment {
         joints,
         sample_count: signals.count(),
+        online_horizon: horizon_samples(selection.band, signals.period) as f64 * signals.period,
     })
 }
 
@@ -105,25 +112,40 @@ impl Interval {
         }
     }
 
-    fn half_width(&self, variance: f64, speed: f64) -> f64 {
+    /// Half width where a joint moves.
+    fn moving(&self, variance: f64) -> f64 {
         let deviation = self.noise.deviation;
-        let moving = self.unit * (deviation * deviation + variance).sqrt();
-        if speed.abs() < REST_SPEED {
-            moving + self.coulomb
-        } else {
-            moving
-        }
+        self.unit * (deviation * deviation + variance).sqrt()
+    }
+
+    /// What it is wider by at a speed.
+    fn allowance(&self, speed: f64) -> f64 {
+        if speed.abs() < REST_SPEED { self.coulomb } else { 0.0 }
     }
 }
 
-fn compare(errors: &[f64], half_widths: &[f64], percentile: f64) -> IntervalAssessment {
-    let count = errors.len() as f64;
-    let within = errors.iter().zip(half_widths).filter(|(e, h)| e <= h).count();
-    let half_width = half_widths.iter().sum::<f64>() / count;
-    IntervalAssessment {
-        coverage: within as f64 / count,
-        half_width,
-        over_narrowest: half_width / percentile.max(f64::MIN_POSITIVE),
+/// Samples counted against their intervals.
+#[derive(Debug, Clone, Copy, Default)]
+struct Tally {
+    count: f64,
+    within: f64,
+    half_widths: f64,
+}
+
+impl Tally {
+    fn add(&mut self, is_within: bool, half_width: f64) {
+        self.count += 1.0;
+        self.within += f64::from(u8::from(is_within));
+        self.half_widths += half_width;
+    }
+
+    fn over(&self, percentile: f64) -> IntervalAssessment {
+        let half_width = self.half_widths / self.count;
+        IntervalAssessment {
+            coverage: self.within / self.count,
+            half_width,
+            over_narrowest: half_width / percentile.max(f64::MIN_POSITIVE),
+        }
     }
 }
 
@@ -135,8 +157,7 @@ fn coulomb(unknowns: &Unknowns, joint: usize) -> f64 {
 }
 
 /// The value that a part of all does not exceed.
-fn part_below(values: &[f64], part: f64) -> f64 {
-    let mut sorted = values.to_vec();
+fn part_below(mut sorted: Vec<f64>, part: f64) -> f64 {
     sorted.sort_by(f64::total_cmp);
     let place = (part * sorted.len() as f64).ceil() as usize;
     sorted.get(place.saturating_sub(1)).copied().unwrap_or(0.0)

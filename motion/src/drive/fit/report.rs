@@ -132,16 +132,19 @@ pub struct JointAssessment {
     pub percentile_of_peak: Option<f64>,
     /// Interval of 95 % that the model states; `None` where it carries no uncertainty.
     pub interval: Option<IntervalAssessment>,
+    /// Interval of 95 % that a controller can state online, from the model and residuals that are [`Assessment::online_horizon`] old; `None` where the
+    /// model carries no uncertainty.
+    pub online: Option<IntervalAssessment>,
 }
 
-/// How true the stated intervals are.
+/// How true intervals are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IntervalAssessment {
     /// Part of the samples within them.
     pub coverage: f64,
     /// Mean of their half width, N m or N.
     pub half_width: f64,
-    /// Half width over that of the narrowest interval of constant width that holds 95 % of the samples.
+    /// Half width over that of the narrowest interval of constant width about the model's torque that holds 95 % of the samples.
     pub over_narrowest: f64,
 }
 
@@ -152,6 +155,8 @@ pub struct Assessment {
     pub joints: Vec<JointAssessment>,
     /// Samples that were compared.
     pub sample_count: usize,
+    /// How old the newest residual is that an online interval knows, s.
+    pub online_horizon: f64,
 }
 
 /// What is fitted, from which part of the recording.

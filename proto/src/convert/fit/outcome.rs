@@ -1,7 +1,7 @@
 //! Writes what a fit found.
 
 use takt_motion::{
-    drive::fit::report::{Assessment, Bin, Estimate, JointFit, Missing, MotionFit, Unknown},
+    drive::fit::report::{Assessment, Bin, Estimate, IntervalAssessment, JointFit, Missing, MotionFit, Unknown},
     robot::spec::RobotSpec,
 };
 
@@ -104,14 +104,20 @@ pub fn assessment_to_wire(assessment: &Assessment, robot: &RobotSpec) -> v1::Ass
             error: one.error,
             percentile: one.percentile,
             percentile_of_peak: one.percentile_of_peak,
-            interval: one.interval.map(|interval| v1::IntervalAssessment {
-                coverage: interval.coverage,
-                half_width: interval.half_width,
-                over_narrowest: interval.over_narrowest,
-            }),
+            interval: one.interval.map(interval),
+            online: one.online.map(interval),
         });
     v1::Assessment {
         joints: joints.collect(),
         sample_count: count_to_wire(assessment.sample_count),
+        online_horizon_s: assessment.online_horizon,
+    }
+}
+
+fn interval(interval: IntervalAssessment) -> v1::IntervalAssessment {
+    v1::IntervalAssessment {
+        coverage: interval.coverage,
+        half_width: interval.half_width,
+        over_narrowest: interval.over_narrowest,
     }
 }

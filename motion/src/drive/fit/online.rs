@@ -1,0 +1,157 @@
+//! The interval that a controller can state which watches its own torques: the model's, widened or narrowed by the recent residual.
+//!
+//! ```text
+//! e(k) = τ(k) − τ_model(k)            foretold h samples ahead:   e(k) in c ± w
+//! c = φ·e(k−h)          φ = Σ λ·e(i)·e(i−h)/b(i)² / Σ λ·e(i−h)²/b(i−h)²
+//! w = b(k)·T·√(S/N)·exp θ             S/N: mean of (r/b)², forgotten alike, r = e − c
+//! θ ← θ + γ·([|r| > w] − α)
+//! ```
+//!
+//! b(k) is the deviation of the model's own interval at the sample, so what the model says of where it is uncertain stays. Two things of a
+//! residual last from one moment to the next, and no fit knows them beforehand: where it lies (a body that is not right errs
+//! to one side for as long as the pose lasts) and how large it is. c and S follow them. S/N comes from few independent errors, so it has a Student's T.
+//! θ takes in what Student's distribution does not say: it is adaptive conformal inference (I. Gibbs, E. Candès, "Adaptive conformal inference
+//! under distribution shift", 2021; on a scale as in A. Angelopoulos et al., "Conformal PID control for time series prediction",
+//! 2023). Over n samples the part outside differs from α by at most the way of θ over γ·n, and as many samples as h of them, whatever the residual does.
+//!
+//! At a sample all is from residuals that are h samples old. Before the first, the interval is the model's. While a joint is at rest friction may
+//! be anything between its two directions: the interval has the allowance for that, and nothing is learnt.
+//!
+//! The state is 2·h + 1 samples and six numbers, whatever was seen.
+
+use std::collections::VecDeque;
+
+use crate::quantile;
+use crate::robot::spec::Residual;
+use crate::tolerance::{ONLINE_GAIN, ONLINE_HORIZON_BANDS, ONLINE_MEMORY, ONLINE_RATIO_MAX};
+
+/// Samples by which an interval is foretold, at least one.
+pub(crate) fn horizon_samples(band: f64, period: f64) -> usize {
+    ((ONLINE_HORIZON_BANDS / (band * period)).round() as usize).max(1)
+}
+
+/// Where a residual is foretold to lie.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Foretold {
+    /// Middle of the interval, from the model's torque, N m or N.
+    pub(crate) centre: f64,
+    pub(crate) half_width: f64,
+}
+
+impl Foretold {
+    pub(crate) fn holds(&self, error: f64) -> bool {
+        (error - self.centre).abs() <= self.half_width
+    }
+}
+
+/// A sample that has been seen.
+#[derive(Debug, Clone, Copy)]
+struct Seen {
+    /// Error over the model's deviation; `None`: nothing is learnt from it.
+    error: Option<f64>,
+    /// What was left of it beside the foretold middle.
+    left: f64,
+    missed: bool,
+}
+
+/// One joint's interval on its way along the samples.
+#[derive(Debug, Clone)]
+pub(crate) struct OnlineInterval {
+    horizon: usize,
+    /// Part outside.
+    tail: f64,
+    /// Step of θ a sample.
+    gain: f64,
+    /// What a sample keeps of its weight for the next.
+    keep: f64,
+    /// Half width over deviation where the deviation is known from the memory's independent errors alone.
+    unit: f64,
+    /// The same of the normal distribution: between the model's half width and b.
+    normal: f64,
+    /// Newest last, at most twice the horizon.
+    seen: VecDeque<Seen>,
+    along: f64,
+    before: f64,
+    squares: f64,
+    weight: f64,
+    theta: f64,
+}
+
+impl OnlineInterval {
+    /// Of a confidence, for samples `period` s apart within a band, Hz.
+    pub(crate) fn new(residual: &Residual, confidence: f64, band: f64, period: f64) -> Self {
+        let horizon = horizon_samples(band, period);
+        let tail = 1.0 - confidence;
+        // 1 in the exponent is half of what the correlation time adds up: one side of it
+        let correlation = libm::exp(-2.0 * horizon as f64 * period / residual.correlation_time);
+        let memory = (ONLINE_MEMORY * residual.correlation_time / period).max(1.0);
+        Self {
+            horizon,
+            tail,
+            gain: ONLINE_GAIN * 2.0 * band * period,
+            keep: libm::exp(-1.0 / memory),
+            // an exponential memory holds twice as many as its time constant has
+            unit: quantile::student(2.0 * ONLINE_MEMORY, 0.5 * tail),
+            normal: quantile::normal(0.5 * tail),
+            seen: VecDeque::with_capacity(2 * horizon),
+            along: correlation * memory,
+            before: memory,
+            squares: (1.0 - correlation * correlation) * memory,
+            weight: memory,
+            theta: 0.0,
+        }
+    }
+
+    /// Foretells the next sample, for which the model states a half width and an allowance for rest, and then takes in its error.
+    pub(crate) fn next(&mut self, stated: f64, allowance: f64, error: f64) -> Foretold {
+        let deviation = stated / self.normal;
+        let foretold = self.foretell(stated, deviation, allowance);
+        let ratio = error / deviation;
+        let is_told = allowance <= 0.0 && ratio.is_finite();
+        let left = (error - foretold.centre) / deviation;
+        if self.seen.len() == 2 * self.horizon {
+            self.seen.pop_front();
+        }
+        self.seen.push_back(Seen {
+            error: is_told.then(|| ratio.clamp(-ONLINE_RATIO_MAX, ONLINE_RATIO_MAX)),
+            left: left.clamp(-ONLINE_RATIO_MAX, ONLINE_RATIO_MAX),
+            missed: !foretold.holds(error),
+        });
+        foretold
+    }
+
+    fn foretell(&mut self, stated: f64, deviation: f64, allowance: f64) -> Foretold {
+        let Some(newest) = self.seen.len().checked_sub(self.horizon) else {
+            return Foretold {
+                centre: 0.0,
+                half_width: stated + allowance,
+            };
+        };
+        let newest = self.seen[newest];
+        if let Some(error) = newest.error {
+            self.learn(error, newest);
+        }
+        let share = (self.along / self.before).clamp(0.0, 1.0);
+        let spread = (self.squares / self.weight).sqrt() * libm::exp(self.theta);
+        Foretold {
+            centre: share * newest.error.unwrap_or(0.0) * deviation,
+            half_width: self.unit * spread * deviation + allowance,
+        }
+    }
+
+    fn learn(&mut self, error: f64, newest: Seen) {
+        let earlier = (self.seen.len() == 2 * self.horizon).then(|| self.seen[0].error);
+        if let Some(earlier) = earlier.flatten() {
+            self.along = self.keep * self.along + error * earlier;
+            self.before = self.keep * self.before + earlier * earlier;
+        }
+        self.squares = self.keep * self.squares + newest.left * newest.left;
+        self.weight = self.keep * self.weight + 1.0;
+        let missed = f64::from(u8::from(newest.missed));
+        let most = libm::log(ONLINE_RATIO_MAX);
+        self.theta = (self.theta + self.gain * (missed - self.tail)).clamp(-most, most);
+    }
+}
+
+#[cfg(test)]
+mod tests;
