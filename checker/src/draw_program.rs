@@ -84,6 +84,29 @@ pub fn program(draw: &mut Draw, cell: &Cell<'_>) -> PathRequest {
     }
 }
 
+/// Gives a program a speed at its start, at its end, or at both; nothing rests after an end at speed.
+pub fn with_boundary_speeds(draw: &mut Draw, spec: &RobotSpec, request: &mut PathRequest) {
+    let fastest = spec.joints.iter().filter_map(|joint| joint.limits.velocity);
+    let fastest = fastest.fold(0.0, f64::max);
+    let mut speed = |segment: &Segment| match &segment.shape {
+        Shape::Joint { .. } => fastest * request.speed_scale * draw.between(0.01, 0.5),
+        Shape::Spline(spline) if spline.space == Space::Joint => {
+            fastest * request.speed_scale * draw.between(0.01, 0.5)
+        }
+        Shape::Line { .. } | Shape::Arc(_) | Shape::Spline(_) => draw.between(0.01, 0.5),
+    };
+    let (first, last) = (
+        request.segments.first().map(&mut speed),
+        request.segments.last().map(&mut speed),
+    );
+    let which = draw.bits() % 3;
+    request.start_speed = first.filter(|_| which != 1);
+    request.end_speed = last.filter(|_| which != 0);
+    if let (Some(_), Some(last)) = (request.end_speed, request.segments.last_mut()) {
+        last.dwell = 0.0;
+    }
+}
+
 /// Limits of the whole path: now and then some are tightened; with jerk, every joint has one.
 fn limits(draw: &mut Draw, cell: &Cell<'_>) -> Vec<LimitOverride> {
     let mut limits = Vec::new();

@@ -78,6 +78,10 @@ pub const REST: f64 = 1e-9;
 /// Disagreement about the speed at an end of the path, relative.
 pub const BOUNDARY_SPEED: f64 = 1e-6;
 
+/// Acceleration of a joint, or of the tool at a metre's reach, that counts as none at an end of the path, as part of the
+/// joints' largest: following the tool by inverse kinematics leaves some 1e-10 of it.
+pub const BOUNDARY_ACCELERATION: f64 = 1e-6;
+
 /// Disagreement about a limit in force or a margin, relative: a planner may keep a reserve of 1e-10 of each.
 pub const SAME_LIMIT: f64 = 1e-9;
 

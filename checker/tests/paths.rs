@@ -72,6 +72,28 @@ fn check_some(robots: &[Example], robot: usize, programs: u64, share: u64) {
     );
 }
 
+/// Speeds at the ends of the path, with jerk limits and without: every plan holds and has them, and what has no plan says
+/// that its ends are to blame.
+#[test]
+fn speeds_at_the_ends_are_had_within_every_limit() {
+    let robots = robots::all();
+    let mut refused: BTreeMap<String, u64> = BTreeMap::new();
+    let mut plans = [0; 2];
+    for seed in 0..120 {
+        let trial = programs::moving_of_seed(&robots, seed, FINE);
+        match plan(trial.example, &trial.request) {
+            Ok(plan) => {
+                let report = recheck(&trial, &plan);
+                let broken: Vec<_> = report.violations().collect();
+                assert!(report.holds(), "seed {seed}: {broken:#?} {:#?}", report.faults);
+                plans[usize::from(trial.request.limit_jerk)] += 1;
+            }
+            Err(reason) => *refused.entry(reason).or_default() += 1,
+        }
+    }
+    assert!(plans.iter().all(|plans| *plans >= 20), "{plans:?} {refused:?}");
+}
+
 #[test]
 fn drives_that_rub_with_their_load_and_with_the_speed_squared_keep_every_limit() {
     let robots = rich::with_rich_friction(robots::all());

@@ -118,6 +118,73 @@ async fn a_program_out_of_reach_says_where() {
     }
 }
 
+/// A weld's way in at speed, with every joint's jerk limited: the last set-point has the speed asked for and its acceleration
+/// is 0; a speed that cannot be had is refused with the largest.
+#[tokio::test]
+async fn a_speed_at_the_end_is_kept_together_with_jerk_limits() {
+    let server = TestServer::start().await;
+    let mut program = good_program();
+    program.segments.truncate(2);
+    program.segments[1].dwell_s = None;
+    program.trace_points = Some(200);
+    let start = program.start.clone().unwrap().position;
+    program.limits = Some(v1::PathLimits {
+        joints: [
+            "shoulder_pan",
+            "shoulder_lift",
+            "elbow",
+            "wrist_1",
+            "wrist_2",
+            "wrist_3",
+        ]
+        .map(|joint| v1::LimitOverride {
+            joint: format!("{joint}_joint"),
+            jerk: Some(200.0),
+            ..Default::default()
+        })
+        .to_vec(),
+        ..Default::default()
+    });
+    let mut replies = Vec::new();
+    for protocol in Protocol::BOTH {
+        let client = server.client(protocol);
+        let moving = v1::PlanPathRequest {
+            end_speed: Some(0.1),
+            ..program.clone()
+        };
+        let mut plan = plan_of(client.plan_path(moving).await.unwrap());
+        let setpoints = plan.setpoints.take().unwrap();
+        let last = setpoints.time_s.len() - 1;
+        assert!((setpoints.tool_speed_m_per_s[last] - 0.1).abs() < 1e-9);
+        assert!(setpoints.tool_speed_m_per_s[0] < 1e-9);
+        for (joint, position) in setpoints.joints.iter().zip(&start) {
+            assert!((joint.position[0] - position).abs() < 1e-9, "{}", joint.joint);
+        }
+        // the tool's speed changes no more: its change over a step is of second order in it
+        let speeds = &setpoints.tool_speed_m_per_s[last - 2..];
+        let steps = [speeds[1] - speeds[0], speeds[2] - speeds[1]];
+        assert!(steps[1].abs() < 0.5 * steps[0].abs(), "{speeds:?}");
+        assert!(plan.limit_uses.iter().all(|limit| limit.margin >= 0.0));
+
+        let too_fast = v1::PlanPathRequest {
+            end_speed: Some(30.0),
+            ..program.clone()
+        };
+        let reply = client.plan_path(too_fast).await.unwrap();
+        let Some(Outcome::Infeasible(no)) = reply.outcome else {
+            panic!("{reply:?}");
+        };
+        assert_eq!(no.reason(), v1::path_infeasible::Reason::BoundarySpeed);
+        assert_eq!(no.location.as_ref().unwrap().segment, 1);
+        assert!(
+            (no.needed - 30.0).abs() < 1e-9 && no.available > 0.1 && no.available < 10.0,
+            "{no:?}"
+        );
+        replies.push((plan, no));
+    }
+    assert!(replies[0] == replies[1]);
+}
+
 /// What only the planner can find wrong has its place in the message too.
 #[tokio::test]
 async fn a_looser_limit_of_a_segment_is_named() {

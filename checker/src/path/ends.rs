@@ -25,6 +25,14 @@ pub(super) fn check(case: &Case<'_>, spec: &RobotSpec, workspace: &mut Workspace
     let last = case.samples.len() - 1;
     boundary(case, 0, case.request.start_speed, report);
     boundary(case, last, case.request.end_speed, report);
+    for (set_point, segment, asked) in [
+        (0, case.request.segments.first(), case.request.start_speed),
+        (last, case.request.segments.last(), case.request.end_speed),
+    ] {
+        if let (Some(segment), Some(_)) = (segment, asked) {
+            steady(case, set_point, segment, workspace, report);
+        }
+    }
     for (index, segment) in case.request.segments.iter().enumerate() {
         let final_segment = index + 1 == case.request.segments.len();
         if segment.blend.is_some() && !final_segment {
@@ -88,6 +96,35 @@ fn boundary(case: &Case<'_>, index: usize, asked: Option<f64>, report: &mut Path
                 report.fault(FaultKind::BoundarySpeed, index, time, tool, speed);
             }
         }
+    }
+}
+
+/// With jerk limits the speed at an end of the path does not change there: a joint segment is straight, so that no joint
+/// accelerates; nor does the tool on a line.
+fn steady(case: &Case<'_>, index: usize, segment: &Segment, workspace: &mut Workspace, report: &mut PathReport) {
+    let mut joints = case.bounds.iter().flat_map(|bounds| &bounds.joints);
+    if !joints.all(|joint| joint.jerk.is_some()) {
+        return;
+    }
+    let mut state = State::default();
+    case.samples.state(index, &mut state);
+    let joints = case.samples.joints().iter();
+    let largest = joints
+        .flat_map(|joint| &joint.acceleration)
+        .fold(0.0, |most: f64, rate| most.max(rate.abs()));
+    let found = match &segment.shape {
+        Shape::Joint { .. } => state.qdd.iter().fold(0.0, |most: f64, rate| most.max(rate.abs())),
+        Shape::Line { .. } => {
+            let tool = case
+                .arm
+                .tool_motion(workspace, &case.tool, &state.q, &state.qd, &state.qdd);
+            tool.acceleration.norm()
+        }
+        Shape::Arc(_) | Shape::Spline(_) => return,
+    };
+    if found > tolerance::BOUNDARY_ACCELERATION * largest {
+        let time = case.samples.times()[index];
+        report.fault(FaultKind::BoundaryAcceleration, index, time, found, 0.0);
     }
 }
 

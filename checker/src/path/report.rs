@@ -81,6 +81,8 @@ pub enum FaultKind {
     Dwell,
     /// The boundary speed is not the one asked for.
     BoundarySpeed,
+    /// The speed changes at an end of the path where it should not.
+    BoundaryAcceleration,
     /// Velocities are not the derivatives of the positions.
     VelocityColumn,
     /// Accelerations are not the derivatives of the velocities.

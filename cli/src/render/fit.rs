@@ -66,6 +66,7 @@ const ERRORS_WITH_TEST: &str = "\
 error of the torque over the torque, rms. fitted: on what was fitted; left out: on stretches of it left out in turn
 before, after: on the test part, with the model as it was and as fitted. 95 % within: so much of its errors is smaller; of peak: over the peak torque
 covered: samples within the 95 % band that the fitted model states; width: of that band over the narrowest constant one that holds 95 %
+online: the same of a band that follows the errors seen until a moment before (docs/friction.md)
 ";
 
 /// What the columns of estimates mean.
@@ -80,7 +81,16 @@ fn percent(part: f64) -> String {
 /// Torque errors by joint: of the fit, and of the part to be compared with.
 fn errors(fit: &v1::MotionFit, robot: &v1::Robot) -> Table {
     let head = ["joint", "fitted", "left out"];
-    let of_test = ["before", "after", "95 % within", "of peak", "covered", "width", "online", "width"];
+    let of_test = [
+        "before",
+        "after",
+        "95 % within",
+        "of peak",
+        "covered",
+        "width",
+        "online",
+        "width",
+    ];
     let of_test = if fit.after.is_some() { &of_test[..] } else { &[] };
     let mut table = Table::new(head.iter().chain(of_test).copied()).numbers_from(1);
     let of = |assessment: &Option<v1::Assessment>, index: usize| {

@@ -247,7 +247,7 @@ pub(crate) fn evidence(no: &v1::PathInfeasible, robot: &v1::Robot, colour: bool)
             "gravity and friction alone exceed the torque limit on the way",
             unit.torque,
         ),
-        Reason::BoundarySpeed => ("no timing keeps every limit at the speed at an end", "m/s"),
+        Reason::BoundarySpeed => ("no timing keeps every limit at the speed at an end", "m/s or rad/s"),
         Reason::ConstantSpeed => ("the arm cannot follow at the constant speed", ""),
         Reason::NoTiming => ("no timing keeps every limit", ""),
     };

@@ -146,14 +146,9 @@ fn fastest(
     for (index, stroke) in program.strokes.into_iter().enumerate() {
         let start = request.start_speed.filter(|_| index == 0);
         let end = request.end_speed.filter(|_| index == last);
-        if (start.is_some() || end.is_some()) && problem.limits_jerk(stroke.spans()) {
-            let path = if start.is_some() { "start_speed" } else { "end_speed" };
-            let message =
-                "a speed at an end of the path is not planned together with jerk limits; give limit_jerk false";
-            return Err(Failure::Invalid(vec![Invalid::new(path, message)]));
-        }
-        let speeds = [(0.0, start), (stroke.length(), end)].map(|(s, speed)| rate(problem, request, &stroke, s, speed));
-        let run = match time(problem, stroke, speeds, runs.duration(), cycle, budget)? {
+        let ends = [(0.0, start), (stroke.length(), end)];
+        let ends = ends.map(|(s, speed)| speed.map(|speed| EndSpeed::new(problem, request, &stroke, s, speed)));
+        let run = match time(problem, stroke, ends, runs.duration(), cycle, budget)? {
             Ok(run) => run,
             Err(infeasible) => return Ok(Err(infeasible)),
         };
@@ -172,22 +167,34 @@ impl Run for Stroke {
     }
 }
 
-/// Path speed that gives the tool a speed, or the fastest joint where the path there is one of the joints.
-fn rate(problem: &Problem, request: &PathRequest, stroke: &Stroke, s: f64, speed: Option<f64>) -> f64 {
-    let Some(speed) = speed else { return 0.0 };
-    let mut point = CurvePoint::new(problem.robot.joint_count());
-    stroke.evaluate(s, Side::After, &mut point);
-    let of_joints = match &request.segments[stroke.location(s).segment].shape {
-        Shape::Joint { .. } => true,
-        Shape::Spline(spline) => spline.space == Space::Joint,
-        Shape::Line { .. } | Shape::Arc(_) => false,
-    };
-    let unit = if of_joints {
-        point.first.iter().fold(0.0, |most: f64, rate| most.max(rate.abs()))
-    } else {
-        stroke.tool(&point).first.norm()
-    };
-    if unit > TRAVEL_MIN { speed / unit } else { 0.0 }
+/// A speed asked for at an end of a path.
+#[derive(Debug, Clone, Copy)]
+struct EndSpeed {
+    /// ṡ.
+    rate: f64,
+    /// The speed asked for at ṡ = 1: of the tool, or of the fastest joint where the path there is one of the joints or turns
+    /// the tool on the spot.
+    unit: f64,
+}
+
+impl EndSpeed {
+    fn new(problem: &Problem, request: &PathRequest, stroke: &Stroke, s: f64, speed: f64) -> Self {
+        let mut point = CurvePoint::new(problem.robot.joint_count());
+        stroke.evaluate(s, Side::After, &mut point);
+        let of_joints = match &request.segments[stroke.location(s).segment].shape {
+            Shape::Joint { .. } => true,
+            Shape::Spline(spline) => spline.space == Space::Joint,
+            Shape::Line { .. } | Shape::Arc(_) => false,
+        };
+        let tool = stroke.tool(&point).first.norm();
+        let unit = if of_joints || tool <= TRAVEL_MIN {
+            point.first.iter().fold(0.0, |most: f64, rate| most.max(rate.abs()))
+        } else {
+            tool
+        };
+        let rate = if unit > TRAVEL_MIN { speed / unit } else { 0.0 };
+        Self { rate, unit }
+    }
 }
 
 /// A time at rest as a whole number of cycles.
@@ -199,12 +206,13 @@ pub(super) fn in_cycles(dwell: f64, cycle: Option<f64>) -> f64 {
 fn time(
     problem: &Problem,
     stroke: Stroke,
-    speeds: [f64; 2],
+    ends: [Option<EndSpeed>; 2],
     begin: f64,
     cycle: Option<f64>,
     budget: &Budget<'_>,
 ) -> Result<Result<TimedRun, PathInfeasible>, Failure> {
     let limits = problem.limits(stroke.spans());
+    let speeds = ends.map(|end| end.map_or(0.0, |end| end.rate));
     let task = Task {
         robot: &problem.robot,
         tcp: &problem.tcp,
@@ -220,7 +228,7 @@ fn time(
     };
     let mut law = match timing {
         Ok(timing) => timing.law,
-        Err(obstacle) => return Ok(Err(refusal(problem, &stroke, &obstacle))),
+        Err(obstacle) => return Ok(Err(refusal(problem, &stroke, &obstacle, ends))),
     };
     if let Some(cycle) = cycle
         && speeds == [0.0; 2]
@@ -328,9 +336,14 @@ pub(super) fn broken(run: &dyn Run, worst: &Tightest, examined: &Examined) -> Pa
     }
 }
 
-/// The evidence of the timing, at its place in the program.
-fn refusal(problem: &Problem, stroke: &Stroke, obstacle: &Obstacle) -> PathInfeasible {
+/// The evidence of the timing, at its place in the program; a speed as it was asked for.
+fn refusal(problem: &Problem, stroke: &Stroke, obstacle: &Obstacle, ends: [Option<EndSpeed>; 2]) -> PathInfeasible {
     let location: Location = stroke.location(obstacle.s);
+    let end = ends[usize::from(obstacle.s > 0.0)];
+    let unit = match obstacle.reason {
+        PathInfeasibleReason::BoundarySpeed => end.map_or(1.0, |end| end.unit),
+        _ => 1.0,
+    };
     let payload = lighter(problem, stroke, obstacle);
     let ways = match payload {
         Some(mass) => format!(
@@ -340,8 +353,8 @@ fn refusal(problem: &Problem, stroke: &Stroke, obstacle: &Obstacle) -> PathInfea
     };
     PathInfeasible {
         joint: obstacle.joint,
-        needed: obstacle.needed,
-        available: obstacle.available,
+        needed: obstacle.needed * unit,
+        available: obstacle.available * unit,
         gravity_torque: obstacle.gravity_torque,
         feasible_payload: payload,
         ..infeasible(obstacle.reason, location, ways)

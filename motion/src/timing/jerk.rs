@@ -1,4 +1,4 @@
-//! The fastest timing of a path under jerk limits too, from rest to rest.
+//! The fastest timing of a path under jerk limits too.
 //!
 //! With a(s) = ṡ², b = s̈ = a′/2 and c = s⃛/ṡ = a″/2, each limit at a place bounds (a, b, c):
 //!
@@ -13,10 +13,12 @@
 //! interior point of three bands ([`interior`]) whose every iterate obeys the limits at the samples. A coarse grid
 //! first; its solution says where the fine one has its nodes. What the fine solution exceeds between samples
 //! ([`certificate`]) tightens the limits there for another solve; the little that is left then is slowed down evenly.
+//! Where the motion moves at an end ([`ends`]), its speed there is given and limits are tightened until nothing is left.
 
 mod band;
 mod basis;
 mod certificate;
+mod ends;
 mod fold;
 mod interior;
 mod level;
@@ -32,10 +34,11 @@ use super::{Obstacle, Task, Timing};
 use crate::budget::{Budget, Stopped};
 use crate::path::outcome::PathInfeasibleReason;
 use crate::tolerance::{
-    JERK_COARSE_INTERVALS, JERK_GAP, JERK_GAP_COARSE, JERK_INTERVALS_MIN, JERK_RESERVE, JERK_ROUND_WORTH, JERK_ROUNDS,
-    JERK_SLOW_ROUNDS,
+    JERK_COARSE_INTERVALS, JERK_GAP, JERK_GAP_COARSE, JERK_GAP_RAISED, JERK_INTERVALS_MIN, JERK_RAISE_WORTH,
+    JERK_RESERVE, JERK_ROUND_WORTH, JERK_ROUNDS, JERK_ROUNDS_MOVING, JERK_ROUNDS_SOLVED, JERK_SLOW_ROUNDS,
 };
 use certificate::Certificate;
+use ends::Moving;
 use interior::{Accuracy, Solver};
 use level::Level;
 
@@ -58,26 +61,31 @@ const AGAIN: Accuracy = Accuracy {
     first_center: 0.01,
 };
 
-/// Times a path as fast as every limit allows, jerk limits too, from rest to rest. Speeds at the ends are not supported
-/// together with jerk limits: the obstacle is then a boundary speed.
+/// Raising the speeds at the ends, whose worth is many times the duration.
+const RAISED: Accuracy = Accuracy {
+    gap: JERK_GAP_RAISED,
+    first_center: JERK_RAISE_WORTH,
+};
+
+/// Times a path as fast as every limit allows, jerk limits too.
 ///
 /// # Errors
 /// [`Stopped`], when nobody waits any more.
 pub(crate) fn jerk_limited(task: &Task<'_>, budget: &Budget<'_>) -> Result<Result<Timing, Obstacle>, Stopped> {
-    if let Some(obstacle) = moving_end(task) {
-        return Ok(Err(obstacle));
-    }
     if task.curve.length() <= 0.0 {
         return Ok(Ok(Timing::default()));
     }
     let fixed = fixed_nodes(task.curve, task.limits);
     let apart = nodes::apart(&fixed);
-    let coarse = match Level::new(task, nodes::even(&apart, JERK_COARSE_INTERVALS), &fixed, budget)? {
+    let mut coarse = match Level::new(task, nodes::even(&apart, JERK_COARSE_INTERVALS), &fixed, budget)? {
         Ok(level) => level,
         Err(obstacle) => return Ok(Err(obstacle)),
     };
-    let mut x = coarse.unknowns(leaving_rest(task.curve.length()), START_COLD);
-    Solver::new(&coarse.problem).improve(&coarse.problem, &mut x, &COLD, budget)?;
+    let mut x = coarse.first(START_COLD);
+    // where this grid is too coarse for the speeds at the ends, the fine one may not be
+    if raised(&mut coarse, &mut x, budget)? {
+        Solver::new(&coarse.problem).improve(&mut coarse.problem, &mut x, &COLD, budget)?;
+    }
 
     let profile = coarse.profile(&x);
     let intervals = task.intervals.max(JERK_INTERVALS_MIN);
@@ -86,31 +94,87 @@ pub(crate) fn jerk_limited(task: &Task<'_>, budget: &Budget<'_>) -> Result<Resul
         Ok(level) => level,
         Err(obstacle) => return Ok(Err(obstacle)),
     };
-    let mut x = fine.unknowns(|s| profile.square(s), START_PROLONGED);
+    let moves = Moving::of(task.end_speeds) != Moving::default();
+    let most = if moves { 1.0 } else { f64::INFINITY };
+    let mut x = fine.unknowns(|s| profile.square(s), START_PROLONGED, most);
+    raised(&mut fine, &mut x, budget)?;
+    if let Some(obstacle) = short(task, &fine, &x) {
+        return Ok(Err(obstacle));
+    }
     let mut solver = Solver::new(&fine.problem);
-    solver.improve(&fine.problem, &mut x, &PROLONGED, budget)?;
+    solver.improve(&mut fine.problem, &mut x, &PROLONGED, budget)?;
+    if moves {
+        return certified_moving(task, &mut fine, &mut solver, x, budget);
+    }
     certified(task, &mut fine, &mut solver, x, budget)
 }
 
-/// The end at which the motion is not asked to be at rest.
-fn moving_end(task: &Task<'_>) -> Option<Obstacle> {
-    let at = [0.0, task.curve.length()];
-    let (s, speed) = at.into_iter().zip(task.end_speeds).find(|(_, speed)| *speed != 0.0)?;
+/// Raises the speeds at ends that move to what is asked for; false where they do not arrive.
+fn raised(level: &mut Level, x: &mut Vec<f64>, budget: &Budget<'_>) -> Result<bool, Stopped> {
+    level.raise();
+    if !level.problem.raises() {
+        return Ok(true);
+    }
+    let ended = Solver::new(&level.problem).improve(&mut level.problem, x, &RAISED, budget)?;
+    if level.problem.raises() && !ended.converged {
+        // it is stuck between limits: that says nothing yet, a start far from them all may arrive
+        *x = level.first(START_COLD);
+        level.raise();
+        Solver::new(&level.problem).improve(&mut level.problem, x, &RAISED, budget)?;
+    }
+    Ok(!level.problem.raises())
+}
+
+/// The evidence that the speed at an end cannot be had.
+fn short(task: &Task<'_>, level: &Level, x: &[f64]) -> Option<Obstacle> {
+    let (side, available) = level.short_end(x, task.end_speeds)?;
     Some(Obstacle {
         reason: PathInfeasibleReason::BoundarySpeed,
-        s,
-        needed: speed,
+        s: [0.0, task.curve.length()][side],
+        needed: task.end_speeds[side],
+        available,
         ..Obstacle::NO_TIMING
     })
 }
 
-/// A profile that leaves rest and comes to rest at constant jerk: (4·u·(1 − u))^(4/3), u the part of the path.
-fn leaving_rest(length: f64) -> impl Fn(f64) -> f64 {
-    move |s| {
-        let u = s / length;
-        let v = 4.0 * u * (1.0 - u);
-        v * libm::cbrt(v)
+/// Tightens limits at the samples around what is exceeded and solves again, until nothing is: the speeds at the ends are
+/// given, so that slowing down evenly is no way out.
+fn certified_moving(
+    task: &Task<'_>,
+    level: &mut Level,
+    solver: &mut Solver,
+    mut x: Vec<f64>,
+    budget: &Budget<'_>,
+) -> Result<Result<Timing, Obstacle>, Stopped> {
+    let mut certificate = match Certificate::new(task, level.nodes(), budget)? {
+        Ok(certificate) => certificate,
+        Err(obstacle) => return Ok(Err(obstacle)),
+    };
+    for rounds in 0..=JERK_ROUNDS_MOVING {
+        let speed = certificate.measure(&level.profile(&x));
+        if speed.is_some_and(|speed| speed >= 1.0) {
+            let timing = level.profile(&x).law().map(|law| Timing { law, rounds });
+            return Ok(timing.ok_or(Obstacle::NO_TIMING));
+        }
+        if speed.is_some() {
+            level.tighten(&certificate);
+        } else {
+            // it stands still between samples: mixed with one that does not
+            for (x, slow) in x.iter_mut().zip(level.first(START_COLD)) {
+                *x = 0.5 * (*x + slow);
+            }
+        }
+        level.run_at(&mut x, START_AGAIN, 1.0);
+        raised(level, &mut x, budget)?;
+        if let Some(obstacle) = short(task, level, &x) {
+            return Ok(Err(obstacle));
+        }
+        // after so many, what the start of a solve leaves of the limits is left
+        if speed.is_some() && rounds < JERK_ROUNDS_SOLVED {
+            solver.improve(&mut level.problem, &mut x, &AGAIN, budget)?;
+        }
     }
+    Ok(Err(Obstacle::NO_TIMING))
 }
 
 /// Tightens limits at the samples around what is exceeded and solves again, while that is worth it; then slows down.
@@ -130,7 +194,7 @@ fn certified(
     while rounds < JERK_ROUNDS && speed < 1.0 - JERK_ROUND_WORTH {
         level.tighten(&certificate);
         level.run_at(&mut x, START_AGAIN, 1.0);
-        solver.improve(&level.problem, &mut x, &AGAIN, budget)?;
+        solver.improve(&mut level.problem, &mut x, &AGAIN, budget)?;
         speed = measured(level, &mut certificate, &mut x);
         rounds += 1;
     }
@@ -151,13 +215,11 @@ fn certified(
 
 /// How much slower the motion must be. Where it stands still between samples it is mixed with one that does not.
 fn measured(level: &Level, certificate: &mut Certificate<'_>, x: &mut [f64]) -> f64 {
-    let nodes = level.nodes();
     for part in [0.1, 0.5, 1.0] {
         if let Some(speed) = certificate.measure(&level.profile(x)) {
             return speed;
         }
-        let slow = level.unknowns(leaving_rest(nodes[nodes.len() - 1]), START_COLD);
-        for (x, slow) in x.iter_mut().zip(slow) {
+        for (x, slow) in x.iter_mut().zip(level.first(START_COLD)) {
             *x += part * (slow - *x);
         }
     }

@@ -56,6 +56,23 @@ pub(crate) const JERK_GAP_COARSE: f64 = 2.0e-2;
 /// Most rounds of tightening limits between samples and solving again; one or two do.
 pub(crate) const JERK_ROUNDS: usize = 3;
 
+/// The same where a speed at an end is given, so that slowing down evenly is no way out; three to six do.
+pub(crate) const JERK_ROUNDS_MOVING: usize = 20;
+
+/// Rounds of those that solve again to the end; one in fifty motions needs more, which then stay a few percent slower than
+/// they could be.
+pub(crate) const JERK_ROUNDS_SOLVED: usize = 10;
+
+/// What the whole speed at an end is worth while it is raised, as a multiple of the duration: the largest speed that is
+/// found is short of the largest that there is by about the square of its inverse.
+pub(crate) const JERK_RAISE_WORTH: f64 = 100.0;
+
+/// Duality gap at which raising a speed at an end stops short, as part of the duration: a thousandth of what it is worth.
+pub(crate) const JERK_GAP_RAISED: f64 = 1.0e-1;
+
+/// Most heights of the first motion between two speeds at the ends, each a quarter of the one before.
+pub(crate) const JERK_HUMPS: usize = 8;
+
 /// Part of the speed that must be at stake for another round of tightening: below, slowing down evenly costs less
 /// than what a solve leaves.
 pub(crate) const JERK_ROUND_WORTH: f64 = 1.0e-3;

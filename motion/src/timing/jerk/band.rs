@@ -17,6 +17,14 @@ impl Band {
         self.rows.resize(size, [0.0; 4]);
     }
 
+    /// Makes unknown `i` whatever the right side says, apart from the others; before [`Band::factorize`].
+    pub(crate) fn hold(&mut self, i: usize) {
+        self.rows[i] = [1.0, 0.0, 0.0, 0.0];
+        for above in 1..=i.min(3) {
+            self.rows[i - above][above] = 0.0;
+        }
+    }
+
     pub(crate) fn factorize(&mut self) {
         let size = self.rows.len();
         for i in 0..size {

@@ -7,6 +7,7 @@
 
 use pulp::Arch;
 
+use super::ends::Moving;
 use super::profile::Profile;
 use super::rows::Tightening;
 use super::uses::{POINTS, Points, Rates, Sweep, Uses};
@@ -23,6 +24,7 @@ use crate::tolerance::{CERTIFIED, JERK_TIGHTEN_MIN, JERK_TIGHTEN_TO};
 pub(crate) struct Certificate<'a> {
     pub(super) limits: &'a Limits,
     pub(super) at: Coefficients,
+    moving: Moving,
     cells: Vec<Cell>,
     pub(super) rates: Vec<Rates>,
     uses: Vec<Uses>,
@@ -76,6 +78,7 @@ impl<'a> Certificate<'a> {
         Ok(Ok(Self {
             limits: task.limits,
             at,
+            moving: Moving::of(task.end_speeds),
             cells,
             rates: vec![Rates::default(); count],
             uses: vec![Uses::default(); count],
@@ -148,15 +151,17 @@ impl<'a> Certificate<'a> {
         };
         if part <= 0.0 || part >= 1.0 {
             let after = if part > 0.0 { interval + 1 } else { interval };
-            add(after - 1, 0.5, 1.0);
+            if let Some(before) = after.checked_sub(1) {
+                add(before, 0.5, 1.0);
+            }
             add(after, 0.0, 0.5);
         } else {
             add(interval, 0.0, 1.0);
         }
         let last = self.cells.last().map_or(0, |cell| cell.interval);
         let rest = match (interval, part) {
-            (1, 0.0) => self.within(0),
-            (i, 1.0) if i + 1 == last => self.within(last),
+            (1, 0.0) if !self.moving.start => self.within(0),
+            (i, 1.0) if i + 1 == last && !self.moving.end => self.within(last),
             _ => 0..0,
         };
         let at_rest = self.uses[rest].iter().flat_map(|uses| {

@@ -8,16 +8,20 @@
 //! can be used. Jerk rows have convex slacks; the step treats them by their tangents, which lie on the safe side
 //! (Debrouwere et al. 2013), and each step takes new ones. The normal equations have three diagonals beside the main
 //! one.
+//!
+//! Where the motion moves at an end, the unknown there is first raised to what it is to be: its part of that is worth many
+//! times the duration, until it is there. From then on it stays.
 
 use pulp::Arch;
 
 use super::band::Band;
+use super::ends::End;
 use super::fold::{Evaluate, Fold, Recenter, Sample};
 use super::pass::{Assemble, Correct, Normal, PerRow, Point, Predict, Second, ZERO};
 use super::rows::{Block, Rows};
 use crate::budget::{Budget, Stopped};
 use crate::scalar::LANES_MAX;
-use crate::tolerance::{JERK_BACKTRACKS, JERK_ITERATIONS};
+use crate::tolerance::{JERK_BACKTRACKS, JERK_ITERATIONS, JERK_RAISE_WORTH};
 
 /// Samples, their rows, and how many unknowns they see.
 #[derive(Debug, Clone)]
@@ -25,6 +29,20 @@ pub(crate) struct Problem {
     pub(crate) unknown_count: usize,
     pub(crate) samples: Vec<Sample>,
     pub(crate) rows: Rows,
+    /// The first and the last unknown.
+    pub(crate) ends: [End; 2],
+}
+
+impl Problem {
+    /// Which unknowns the ends are, and what they are.
+    fn each_end(&self) -> [(usize, End); 2] {
+        [(0, self.ends[0]), (self.unknown_count - 1, self.ends[1])]
+    }
+
+    /// Whether the speed at an end is not yet what it is to be.
+    pub(crate) fn raises(&self) -> bool {
+        self.ends.iter().any(|end| matches!(end, End::Raised(_)))
+    }
 }
 
 /// How far, and from how far away.
@@ -59,6 +77,8 @@ pub(crate) struct Solver {
     inverse: PerRow,
     normals: Vec<Normal>,
     seconds: Vec<Second>,
+    /// What the whole speed at an end is worth while it is raised, s.
+    worth: f64,
 }
 
 /// Where a solve ended.
@@ -105,16 +125,18 @@ impl Solver {
             inverse: PerRow::new(rows),
             normals: vec![normal; rows.blocks],
             seconds: vec![second; rows.blocks],
+            worth: 0.0,
         }
     }
 
-    /// Improves `x`, which must obey every row strictly; it does so all the way, whatever ends the iteration.
+    /// Improves `x`, which must obey every row strictly; it does so all the way, whatever ends the iteration. Where ends are
+    /// raised, that is all that is done: it ends when they have arrived and are held.
     ///
     /// # Errors
     /// [`Stopped`], when nobody waits any more.
     pub(crate) fn improve(
         &mut self,
-        problem: &Problem,
+        problem: &mut Problem,
         x: &mut Vec<f64>,
         accuracy: &Accuracy,
         budget: &Budget<'_>,
@@ -129,6 +151,7 @@ impl Solver {
         if !self.start(problem, accuracy.first_center) {
             return Ok(ended);
         }
+        let raises = problem.raises();
         let (mut primal, mut dual) = (0.0, 0.0);
         for iteration in 0..=JERK_ITERATIONS {
             budget.check()?;
@@ -136,6 +159,9 @@ impl Solver {
                 break;
             }
             x.clone_from(&self.x);
+            if raises && self.arrived(problem) {
+                break;
+            }
             let duration = self.fold(problem);
             let gap = self.sum(problem, |solver, block, lane| solver.normals[block].gap[lane]);
             let error: f64 = self.residual.iter().zip(&self.x).map(|(r, x)| (r * x).abs()).sum();
@@ -173,17 +199,31 @@ impl Solver {
         if self.assemble(problem, 0.0) >= 0.0 {
             return false;
         }
+        self.worth = if problem.raises() {
+            JERK_RAISE_WORTH * duration
+        } else {
+            0.0
+        };
         let rows = 4 * problem.samples.len() * problem.rows.joint_count().max(1);
         let center = first_center * duration / rows as f64;
         self.multipliers.at_least(&self.inverse, center);
         true
     }
 
-    /// Takes a step, the primal one halved until every slack is positive. False where none is.
+    /// Takes a step, the primal one no further than to where an end arrives, and halved until every slack is positive. False
+    /// where none is.
     fn advance(&mut self, problem: &Problem, mut primal: f64, dual: f64) -> bool {
+        let mut arriving = None;
+        if let Some((unknown, to, part)) = self.arriving(problem, primal) {
+            arriving = Some((unknown, to));
+            primal = part;
+        }
         for _ in 0..JERK_BACKTRACKS {
             for ((trial, x), d) in self.trial.iter_mut().zip(&self.x).zip(&self.direction) {
                 *trial = x + primal * d;
+            }
+            if let Some((unknown, to)) = arriving {
+                self.trial[unknown] = to;
             }
             self.arch.dispatch(Evaluate {
                 samples: &problem.samples,
@@ -197,8 +237,24 @@ impl Solver {
                 return true;
             }
             primal *= 0.5;
+            arriving = None;
         }
         false
+    }
+
+    /// Which end arrives first within a step, where it does, and after what part of the direction.
+    fn arriving(&self, problem: &Problem, primal: f64) -> Option<(usize, f64, f64)> {
+        let mut first = None;
+        let mut least = primal;
+        for (unknown, end) in problem.each_end() {
+            let End::Raised(to) = end else { continue };
+            let (left, step) = (to - self.x[unknown], self.direction[unknown]);
+            if step > 0.0 && left <= least * step {
+                least = left / step;
+                first = Some((unknown, to, least));
+            }
+        }
+        first
     }
 
     fn assemble(&mut self, problem: &Problem, dual_step: f64) -> f64 {
@@ -215,6 +271,25 @@ impl Solver {
         })
     }
 
+    /// Holds the ends that have arrived; whether all have.
+    fn arrived(&self, problem: &mut Problem) -> bool {
+        for (side, (unknown, end)) in problem.each_end().into_iter().enumerate() {
+            if matches!(end, End::Raised(to) if self.x[unknown] >= to) {
+                problem.ends[side] = End::Held;
+            }
+        }
+        !problem.raises()
+    }
+
+    /// Takes held ends out of a direction.
+    fn hold(problem: &Problem, direction: &mut [f64]) {
+        for (unknown, end) in problem.each_end() {
+            if end == End::Held {
+                direction[unknown] = 0.0;
+            }
+        }
+    }
+
     /// The normal equations, factorized; returns the duration.
     fn fold(&mut self, problem: &Problem) -> f64 {
         self.band.clear(problem.unknown_count);
@@ -228,6 +303,18 @@ impl Solver {
             descent: &mut self.descent,
             residual: &mut self.residual,
         });
+        for (unknown, end) in problem.each_end() {
+            match end {
+                End::Rest => {}
+                End::Raised(to) => {
+                    self.descent[unknown] += self.worth / to;
+                    self.residual[unknown] += self.worth / to;
+                }
+                End::Held => self.band.hold(unknown),
+            }
+        }
+        Self::hold(problem, &mut self.descent);
+        Self::hold(problem, &mut self.residual);
         self.band.factorize();
         duration
     }
@@ -269,6 +356,7 @@ impl Solver {
             damping,
             x: &mut self.direction,
         });
+        Self::hold(problem, &mut self.direction);
         self.band.solve(&mut self.direction);
         self.arch.dispatch(Evaluate {
             samples: &problem.samples,

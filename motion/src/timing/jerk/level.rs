@@ -4,9 +4,13 @@
 //! the inner intervals: at nodes alone, c could zigzag around limits of acceleration and torque in between. What bounds
 //! the first and last interval, where the law of constant jerk holds, is linear in powers of its one number a₁: eight
 //! samples of each bound a₁ from above.
+//!
+//! Where the motion moves at an end ([`super::ends`]), ṡ and s̈ are given there: what bounds them alone is looked at once, and
+//! the sample has rows of jerk only.
 
 use super::basis::Basis;
 use super::certificate::{Certificate, inside};
+use super::ends::{End, Moving, bridge, hump};
 use super::fold::Sample;
 use super::interior::Problem;
 use super::profile::Profile;
@@ -19,7 +23,7 @@ use crate::timing::coefficients::Coefficients;
 use crate::timing::grid::Place;
 use crate::timing::limits::{JointLimits, Limits};
 use crate::timing::{Obstacle, Task, standstill};
-use crate::tolerance::JERK_START_FLOOR;
+use crate::tolerance::{JERK_HUMPS, JERK_START_FLOOR, TIMING_RESERVE};
 
 /// Samples of each end interval.
 const END_SAMPLES: usize = LANES_MAX;
@@ -31,8 +35,11 @@ pub(crate) struct Level {
     pub(crate) problem: Problem,
     /// Interval and part of it of each sample of the problem.
     parts: Vec<(usize, f64)>,
-    /// The sample of each inner node (of those with two, the one before it).
+    /// The sample of each node of the spline (of those with two, the one before it).
     node_samples: Vec<usize>,
+    moving: Moving,
+    /// ṡ² at ends that move: as asked for, or the most that limits of speed, acceleration and torque allow there.
+    targets: [f64; 2],
 }
 
 /// Which joints have rows of each kind anywhere on the path.
@@ -77,6 +84,11 @@ impl Kinds {
 
     /// Writes the rows of a place as those of a sample.
     fn fill(&self, limits: &Limits, at: &Coefficients, place: usize, rows: &mut Rows, sample: usize) {
+        self.fill_jerk(limits, at, place, rows, sample);
+        self.fill_others(limits, at, place, rows, sample);
+    }
+
+    fn fill_jerk(&self, limits: &Limits, at: &Coefficients, place: usize, rows: &mut Rows, sample: usize) {
         let stretch = &limits.stretches[at.stretch[place]];
         let entry = |joint: usize| joint * at.stride + place;
         for (row, joint) in self.jerk.iter().enumerate() {
@@ -87,6 +99,11 @@ impl Kinds {
                 [&at.terms.first, &at.terms.second, &at.third].map(|column| column[entry(*joint)] / limit);
             rows.jerk.set(sample, row, [q1, 3.0 * q2, q3]);
         }
+    }
+
+    fn fill_others(&self, limits: &Limits, at: &Coefficients, place: usize, rows: &mut Rows, sample: usize) {
+        let stretch = &limits.stretches[at.stretch[place]];
+        let entry = |joint: usize| joint * at.stride + place;
         for (row, joint) in self.acceleration.iter().enumerate() {
             let Some(limit) = stretch.joints[*joint].acceleration else {
                 continue;
@@ -112,6 +129,14 @@ impl Kinds {
         }
         rows.speed.set(sample, 0, [1.0 / at.speed_bound[place]]);
     }
+
+    /// How many times the speed may be at an end that moves without acceleration along the path, for all limits but jerk's.
+    fn speed_at_end(&self, limits: &Limits, at: &Coefficients, place: usize, square: f64) -> f64 {
+        let mut rows = Rows::new(1, self.counts());
+        self.fill_others(limits, at, place, &mut rows, 0);
+        let room = (1.0 - TIMING_RESERVE) * (1.0 - TIMING_RESERVE);
+        rows.uniform_speed(0, [square, 0.0, 0.0], room, f64::INFINITY)
+    }
 }
 
 impl Level {
@@ -125,23 +150,28 @@ impl Level {
         fixed: &[f64],
         budget: &Budget<'_>,
     ) -> Result<Result<Self, Obstacle>, Stopped> {
-        let basis = Basis::new(nodes);
+        let moving = Moving::of(task.end_speeds);
+        let basis = Basis::new(nodes, moving);
         let nodes = basis.nodes();
+        let spline = basis.spline();
         let last = nodes.len() - 1;
         let mut places = Vec::with_capacity(2 * nodes.len() + fixed.len() + 2 * END_SAMPLES);
         let part = |k: usize| k as f64 / END_SAMPLES as f64;
         let before = |s| Place { s, side: Side::Before };
         let after = |s| Place { s, side: Side::After };
-        places.extend((1..=END_SAMPLES).map(|k| before(nodes[0] + part(k) * (nodes[1] - nodes[0]))));
+        if !moving.start {
+            places.extend((1..=END_SAMPLES).map(|k| before(nodes[0] + part(k) * (nodes[1] - nodes[0]))));
+        }
+        let before_samples = places.len();
         let mut parts = Vec::with_capacity(places.capacity());
         let mut node_samples = Vec::with_capacity(last);
-        for interval in 1..last - 1 {
+        for interval in spline.clone() {
             let (low, high) = (nodes[interval], nodes[interval + 1]);
             let is_fixed = fixed.binary_search_by(|s| s.total_cmp(&low)).is_ok();
-            if interval == 1 {
+            if interval == spline.start {
                 node_samples.push(parts.len());
             }
-            if interval == 1 || is_fixed {
+            if interval == spline.start || is_fixed {
                 places.push(after(low));
                 parts.push((interval, 0.0));
             }
@@ -158,7 +188,9 @@ impl Level {
             parts.push((interval, 1.0));
         }
         let end = nodes[last] - nodes[last - 1];
-        places.extend((1..=END_SAMPLES).rev().map(|k| after(nodes[last] - part(k) * end)));
+        if !moving.end {
+            places.extend((1..=END_SAMPLES).rev().map(|k| after(nodes[last] - part(k) * end)));
+        }
         let at = Coefficients::compute(task.robot, task.tcp, task.curve, task.limits, &places, budget)?;
 
         if let Some(obstacle) = standstill::obstacle(&at, task.limits) {
@@ -167,9 +199,14 @@ impl Level {
         let kinds = Kinds::of(task.limits, at.joint_count);
         let mut rows = Rows::new(parts.len().div_ceil(LANES_MAX), kinds.counts());
         let mut samples = Vec::with_capacity(parts.len());
+        let final_sample = parts.len() - 1;
         for (sample, (interval, _)) in parts.iter().enumerate() {
-            let place = END_SAMPLES + sample;
-            kinds.fill(task.limits, &at, place, &mut rows, sample);
+            let place = before_samples + sample;
+            if (moving.start && sample == 0) || (moving.end && sample == final_sample) {
+                kinds.fill_jerk(task.limits, &at, place, &mut rows, sample);
+            } else {
+                kinds.fill(task.limits, &at, place, &mut rows, sample);
+            }
             let s = places[place].s;
             let before = if sample == 0 { s } else { places[place - 1].s };
             let after = if sample + 1 == parts.len() {
@@ -182,8 +219,22 @@ impl Level {
                 weight: 0.5 * (after - before),
             });
         }
-        let ends = [(0, 0, 1.0), (parts.len() - 1, END_SAMPLES + parts.len(), -1.0)];
-        for (sample, first, direction) in ends {
+        let mut targets = [0.0; 2];
+        let ends = [
+            (0, 0, 1.0, moving.start),
+            (final_sample, before_samples + parts.len(), -1.0, moving.end),
+        ];
+        for (side, (sample, first, direction, moves)) in ends.into_iter().enumerate() {
+            if moves {
+                let square = task.end_speeds[side] * task.end_speeds[side];
+                let most = kinds.speed_at_end(task.limits, &at, before_samples + sample, square);
+                targets[side] = square * (most * most).min(1.0);
+                // what is given has no part in what is best; however slow, it must not hide the rest
+                let neighbour = if direction > 0.0 { sample + 1 } else { sample - 1 };
+                samples[neighbour].weight += samples[sample].weight;
+                samples[sample].weight = 0.0;
+                continue;
+            }
             let h = if direction > 0.0 { nodes[1] - nodes[0] } else { end };
             let mut ends = Rows::new(1, kinds.counts());
             let mut most = f64::INFINITY;
@@ -205,36 +256,113 @@ impl Level {
             unknown_count: basis.unknown_count(),
             samples,
             rows,
+            ends: [End::Rest; 2],
         };
         Ok(Ok(Self {
             basis,
             problem,
             parts,
             node_samples,
+            moving,
+            targets,
         }))
     }
 
-    /// Unknowns of a profile with these values, run at the part `target` of every limit.
-    pub(crate) fn unknowns(&self, square: impl Fn(f64) -> f64, target: f64) -> Vec<f64> {
-        let mut x: Vec<f64> = self.basis.centers().map(square).collect();
+    /// Unknowns of a profile with these values, run at the part `target` of every limit, up to `most` times as fast.
+    pub(crate) fn unknowns(&self, square: impl Fn(f64) -> f64, target: f64, most: f64) -> Vec<f64> {
+        let mut x = self.sampled(square);
+        self.run_at(&mut x, target, most);
+        x
+    }
+
+    fn sampled(&self, square: impl Fn(f64) -> f64) -> Vec<f64> {
+        let mut x: Vec<f64> = self.basis.centers().map(&square).collect();
         let floor = JERK_START_FLOOR * x.iter().copied().fold(0.0, f64::max);
         for x in &mut x {
             *x = x.max(floor);
         }
-        self.run_at(&mut x, target, f64::INFINITY);
+        let (nodes, last) = (self.nodes(), x.len() - 1);
+        if self.moving.start {
+            x[0] = square(nodes[0]);
+        }
+        if self.moving.end {
+            x[last] = square(nodes[nodes.len() - 1]);
+        }
         x
+    }
+
+    /// A first motion at the part `target` of every limit, from rest to rest or with the speeds at its ends, where that is
+    /// possible, or else with slower ones.
+    pub(crate) fn first(&self, target: f64) -> Vec<f64> {
+        let length = self.basis.nodes()[self.basis.nodes().len() - 1];
+        let hump = hump(self.moving);
+        let humped = self.unknowns(|s| hump(s / length), target, f64::INFINITY);
+        if self.moving == Moving::default() {
+            return humped;
+        }
+        let bridge = bridge(self.targets, self.moving);
+        let bridged = self.sampled(|s| bridge(s / length));
+        // the highest hump that leaves the ends their speeds
+        let mut part = 1.0;
+        let mut best = (0.0, Vec::new());
+        for _ in 0..JERK_HUMPS {
+            let both = bridged.iter().zip(&humped);
+            let x: Vec<f64> = both.map(|(bridged, humped)| bridged + part * humped).collect();
+            let speed = self.speed(&x, target, 1.0);
+            if speed > best.0 {
+                best = (speed, x);
+            }
+            if speed >= 1.0 {
+                break;
+            }
+            part *= 0.25;
+        }
+        let (_, mut x) = best;
+        self.run_at(&mut x, target, 1.0);
+        x
+    }
+
+    /// Makes ends that move to be raised.
+    pub(crate) fn raise(&mut self) {
+        let each = [self.moving.start, self.moving.end].into_iter().zip(self.targets);
+        for (end, (moves, target)) in self.problem.ends.iter_mut().zip(each) {
+            if moves {
+                *end = End::Raised(target);
+            }
+        }
+    }
+
+    /// The end that lacks most of its speed, if any does: which, and what ṡ it has.
+    pub(crate) fn short_end(&self, x: &[f64], speeds: [f64; 2]) -> Option<(usize, f64)> {
+        let at = [x[0], x[x.len() - 1]];
+        let mut short = None;
+        let mut least = 1.0;
+        for side in 0..2 {
+            let held = self.problem.ends[side] != End::Rest;
+            let part = at[side] / (speeds[side] * speeds[side]);
+            if held && at[side] < speeds[side] * speeds[side] && part < least {
+                (short, least) = (Some((side, at[side].sqrt())), part);
+            }
+        }
+        short
     }
 
     /// Runs the motion evenly faster, up to `most` times, or slower, so that it uses the part `target` of a limit at
     /// the samples.
     pub(crate) fn run_at(&self, x: &mut [f64], target: f64, most: f64) {
+        let speed = self.speed(x, target, most);
+        for x in x {
+            *x *= speed * speed;
+        }
+    }
+
+    /// How many times as fast a motion may be run, up to `most`, to use the part `target` of a limit at the samples.
+    fn speed(&self, x: &[f64], target: f64, most: f64) -> f64 {
         let mut speed = most;
         for (k, sample) in self.problem.samples.iter().enumerate() {
             speed = self.problem.rows.uniform_speed(k, sample.form.apply(x), target, speed);
         }
-        for x in x {
-            *x *= speed * speed;
-        }
+        speed
     }
 
     /// Lowers the limits at samples around which they are exceeded.
@@ -253,13 +381,20 @@ impl Level {
 
     pub(crate) fn profile(&self, x: &[f64]) -> Profile<'_> {
         let samples = &self.problem.samples;
+        let at_nodes = self.node_samples.iter();
+        let mut inner: Vec<[f64; 3]> = at_nodes.map(|sample| samples[*sample].form.apply(x)).collect();
+        // without the rounding of the spline
+        let (nodes, unknowns) = (inner.len() - 1, x.len() - 1);
+        if self.moving.start {
+            inner[0] = [x[0], 0.0, inner[0][2]];
+        }
+        if self.moving.end {
+            inner[nodes] = [x[unknowns], 0.0, inner[nodes][2]];
+        }
         Profile {
             nodes: self.basis.nodes(),
-            inner: self
-                .node_samples
-                .iter()
-                .map(|sample| samples[*sample].form.apply(x))
-                .collect(),
+            moving: self.moving,
+            inner,
         }
     }
 }

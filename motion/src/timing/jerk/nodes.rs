@@ -5,8 +5,12 @@ use super::profile::Profile;
 use crate::timing::grid;
 use crate::tolerance::{JERK_INTERVALS_RATIO, JERK_NODES_APART};
 
-/// Into how many parts the first intervals after that at rest are divided.
+/// Into how many parts the first intervals are divided: after that at rest, or the very first where the motion moves so
+/// slowly at the end that it is nearly at rest there.
 const NEAR_REST: [usize; 4] = [4, 3, 2, 2];
+
+/// How many times ṡ² grows over an interval that is divided as from rest.
+const NEARLY_REST: f64 = 4.0;
 
 /// Of knots and borders those that are nodes of every grid: of several very close ones, the first.
 pub(super) fn apart(nodes: &[f64]) -> Vec<f64> {
@@ -50,20 +54,29 @@ pub(super) fn respread(profile: &Profile<'_>, fixed: &[f64], count: usize) -> Op
     let way = 0.5 / nodes[last];
     let time = 0.5 / law.duration();
     let measure: Vec<f64> = places.iter().map(|s| way * s + time * law.time_at(*s)).collect();
-    Some(gradual(eased(&grid::spread(fixed, count, &places, &measure))))
+    Some(gradual(eased(&grid::spread(fixed, count, &places, &measure), profile)))
 }
 
 /// The same nodes, with the intervals next to those at rest divided at equal times. There nodes at equal times are at
 /// distances from rest in the ratio 1 : 8 : 27, however fine the grid is, and a cubic follows s^(4/3) the less well.
-fn eased(nodes: &[f64]) -> Vec<f64> {
+fn eased(nodes: &[f64], profile: &Profile<'_>) -> Vec<f64> {
     let last = nodes.len() - 1;
     let mut eased = Vec::with_capacity(nodes.len() + 2 * NEAR_REST.iter().sum::<usize>());
     for (interval, pair) in nodes.windows(2).enumerate() {
         eased.push(pair[0]);
         let from_end = last - 1 - interval;
-        let rest = if interval <= from_end { nodes[0] } else { nodes[last] };
-        let after_rest = interval.min(from_end).checked_sub(1);
-        let parts = after_rest.and_then(|k| NEAR_REST.get(k)).copied().unwrap_or(1);
+        let (rest, moves) = if interval <= from_end {
+            (nodes[0], profile.moving.start)
+        } else {
+            (nodes[last], profile.moving.end)
+        };
+        let after_rest = interval.min(from_end).checked_sub(usize::from(!moves));
+        let mut parts = after_rest.and_then(|k| NEAR_REST.get(k)).copied().unwrap_or(1);
+        if moves && parts > 1 {
+            // short intervals where nothing changes leave the normal equations without digits
+            let [a, b] = [pair[0], pair[1]].map(|s| profile.square(s));
+            parts = if a.max(b) > NEARLY_REST * a.min(b) { parts } else { 1 };
+        }
         let roots = [pair[0] - rest, pair[1] - rest].map(libm::cbrt);
         for k in 1..parts {
             let root = roots[0] + (roots[1] - roots[0]) * k as f64 / parts as f64;
@@ -106,6 +119,7 @@ fn growing(mut nodes: impl Iterator<Item = f64>) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::ends::Moving;
     use super::*;
 
     #[test]
@@ -134,7 +148,12 @@ mod tests {
             .map(cubes)
             .chain((0..6).rev().map(|k| 432.0 - cubes(k)))
             .collect();
-        let eased = eased(&nodes);
+        let from_rest = Profile {
+            nodes: &nodes,
+            moving: Moving::default(),
+            inner: vec![[1.0, 0.0, 0.0]; nodes.len() - 2],
+        };
+        let eased = eased(&nodes, &from_rest);
         assert!(eased.is_sorted_by(|a, b| a < b));
         for (node, expected) in eased
             .iter()

@@ -1,4 +1,5 @@
-//! a(s) over a whole grid, from its values at the nodes: one cubic an interval between the two laws of constant jerk.
+//! a(s) over a whole grid, from its values at the nodes: one cubic an interval, between the laws of constant jerk where an
+//! end is at rest.
 //!
 //! c = a″/2 is linear from node to node, so with h the interval's length and x the distance from its beginning
 //!
@@ -6,14 +7,16 @@
 //! a = a₀ + 2·b₀·x + c₀·x² + (c₁ − c₀)/(3h)·x³      b = b₀ + c₀·x + (c₁ − c₀)/(2h)·x²      c = c₀ + (c₁ − c₀)/h·x
 //! ```
 
+use super::ends::Moving;
 use super::rest;
 use crate::timing::law::{Form, Piece, TimeLaw};
 
-/// Where the motion is at rest at both ends of the grid.
+/// A motion over a grid.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Profile<'a> {
     pub(crate) nodes: &'a [f64],
-    /// (a, b, c) at s₁ … s_{N−1}.
+    pub(crate) moving: Moving,
+    /// (a, b, c) at s₁ … s_{N−1}, and at s₀ and s_N where the motion moves there.
     pub(crate) inner: Vec<[f64; 3]>,
 }
 
@@ -28,16 +31,18 @@ impl Profile<'_> {
 
     fn form(&self, interval: usize) -> Form {
         let last = self.inner.len() - 1;
-        if interval == 0 {
+        let spline = self.moving.spline_intervals(self.interval_count());
+        if interval < spline.start {
             return Form::FromRest { end: self.inner[0][0] };
         }
-        if interval > last {
+        if interval >= spline.end {
             return Form::ToRest {
                 begin: self.inner[last][0],
             };
         }
-        let [a, b, c] = self.inner[interval - 1];
-        let rise = self.inner[interval][2] - c;
+        let at = interval - spline.start;
+        let [a, b, c] = self.inner[at];
+        let rise = self.inner[at + 1][2] - c;
         Form::Polynomial([a, 2.0 * b, c, rise / (3.0 * self.length(interval))])
     }
 
@@ -49,14 +54,16 @@ impl Profile<'_> {
             let [sd, sdd, sddd] = rest::rates(h, direction, a1, part);
             [sd * sd, sdd, sddd]
         };
-        if interval == 0 {
+        let spline = self.moving.spline_intervals(self.interval_count());
+        if interval < spline.start {
             return at_rest(1.0, self.inner[0][0], part);
         }
-        if interval > last {
+        if interval >= spline.end {
             return at_rest(-1.0, self.inner[last][0], 1.0 - part);
         }
-        let [a0, b0, c0] = self.inner[interval - 1];
-        let rise = self.inner[interval][2] - c0;
+        let at = interval - spline.start;
+        let [a0, b0, c0] = self.inner[at];
+        let rise = self.inner[at + 1][2] - c0;
         let x = part * h;
         let a = a0 + x * (2.0 * b0 + x * (c0 + rise * part / 3.0));
         let b = b0 + x * (c0 + 0.5 * rise * part);

@@ -22,16 +22,16 @@ fn every_iterate_obeys_every_row() {
     };
     let budget = Budget::unlimited();
     let fixed = fixed_nodes(task.curve, task.limits);
-    let level = Level::new(&task, nodes::even(&fixed, 80), &fixed, &budget)
+    let mut level = Level::new(&task, nodes::even(&fixed, 80), &fixed, &budget)
         .unwrap()
         .unwrap();
-    let start = level.unknowns(leaving_rest(curve.length()), START_COLD);
+    let start = level.first(START_COLD);
     let mut durations = Vec::new();
     for gap in [1e9, 3.0, 1.0, 0.3, 0.1, 1e-2, 1e-3, 1e-4] {
         let mut x = start.clone();
         let accuracy = Accuracy { gap, ..COLD };
         let ended = Solver::new(&level.problem)
-            .improve(&level.problem, &mut x, &accuracy, &budget)
+            .improve(&mut level.problem, &mut x, &accuracy, &budget)
             .unwrap();
         assert!(ended.converged && ended.iterations > 0, "{ended:?}");
         for (k, sample) in level.problem.samples.iter().enumerate() {
@@ -70,17 +70,17 @@ fn a_start_beyond_the_limits_is_refused() {
     };
     let budget = Budget::unlimited();
     let fixed = fixed_nodes(task.curve, task.limits);
-    let level = Level::new(&task, nodes::even(&fixed, 40), &fixed, &budget)
+    let mut level = Level::new(&task, nodes::even(&fixed, 40), &fixed, &budget)
         .unwrap()
         .unwrap();
     for target in [1.2, f64::NAN] {
-        let mut x = level.unknowns(leaving_rest(1.0), 0.6);
+        let mut x = level.first(0.6);
         for x in &mut x {
             *x *= target / 0.36;
         }
         let before = x.clone();
         let ended = Solver::new(&level.problem)
-            .improve(&level.problem, &mut x, &COLD, &budget)
+            .improve(&mut level.problem, &mut x, &COLD, &budget)
             .unwrap();
         assert!(!ended.converged && ended.iterations == 0);
         assert!(x.iter().zip(&before).all(|(x, before)| x.to_bits() == before.to_bits()));
