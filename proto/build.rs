@@ -66,6 +66,9 @@ const SPARSE: [&str; 36] = [
     ".takt.v1.TelemetryColumns",
 ];
 
+/// What the generated code reads numbers by; ours is in its place (`src/number.rs`).
+const NUMBERS: &str = "::pbjson::private::NumberDeserialize";
+
 fn write_json_form(descriptor: &[u8], out: &Path) -> Result<(), Box<dyn Error>> {
     let builder = || -> Result<pbjson_build::Builder, Box<dyn Error>> {
         let mut builder = pbjson_build::Builder::new();
@@ -77,5 +80,10 @@ fn write_json_form(descriptor: &[u8], out: &Path) -> Result<(), Box<dyn Error>> 
     builder()?.out_dir(&sparse).build(&SPARSE)?;
     let mut rest = builder()?;
     rest.emit_fields().exclude(SPARSE).build(&[".takt.v1"])?;
+    for folder in [sparse.as_path(), out] {
+        let file = folder.join("takt.v1.serde.rs");
+        let generated = fs::read_to_string(&file)?;
+        fs::write(&file, generated.replace(NUMBERS, "crate::number::Number"))?;
+    }
     Ok(())
 }

@@ -6,6 +6,7 @@ pub mod codec;
 pub mod convert;
 pub mod error;
 pub mod id;
+mod number;
 pub mod route;
 
 /// Generated messages, clients and servers of the package `takt.v1`, with the canonical JSON of the messages.

@@ -213,11 +213,6 @@ fn located<T: DeserializeOwned>(body: &[u8], error: &serde_json::Error) -> Inval
         let separator = if path.is_empty() { "" } else { "." };
         path = format!("{path}{separator}{name}");
     }
-    // What the reader of numbers says where none of its forms fits.
-    message = message.replace(
-        "data did not match any variant of untagged enum Content",
-        "expected a number",
-    );
     if message.len() > LONGEST_MESSAGE {
         message.truncate(message.floor_char_boundary(LONGEST_MESSAGE));
         message.push('…');
