@@ -59,13 +59,7 @@ impl Teacher<'_> {
         // the largest gap on the rest of the way
         let rest = (1..=REACH_PROBES).map(|i| halt.at + (1.0 - halt.at) * i as f64 / REACH_PROBES as f64);
         let gaps = rest.filter_map(|v| gap(&self.inverse.nearest(&curve.pose(v), &self.q).err()?));
-        // a place that is missed weighs more than an orientation
-        let largest = gaps.fold((0.0, "rad"), |most: (f64, &str), gap| match (most.1, gap.1) {
-            ("rad", "m") => gap,
-            (a, b) if a == b && gap.0 > most.0 => gap,
-            _ => most,
-        });
-        let (gap, unit) = largest;
+        let (gap, unit) = gaps.fold((0.0, "m"), |most, gap| if gap.0 > most.0 { gap } else { most });
         if gap > 0.0 {
             let suggestion = format!(
                 "the segment leaves the arm's reach after {percent:.2} % of its way, by up to {gap:.6} {unit}; move the \
