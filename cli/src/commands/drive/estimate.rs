@@ -147,8 +147,8 @@ pub(super) async fn run(args: EstimateArgs, client: &Client, io: &mut Io) -> Res
             }
         }
         history.add(&estimate);
-        let now = estimate.time_s.unwrap_or(f64::NEG_INFINITY);
-        if now >= said + PROGRESS_S && !args.lines {
+        let now = estimate.time_s.filter(|now| *now >= said + PROGRESS_S && !args.lines);
+        if let Some(now) = now {
             io.remark(&format!("{now:.1} s, {} samples", estimate.sample_count))?;
             said = now;
         }
