@@ -209,18 +209,33 @@ fn other_units_and_signs_are_hinted_at_by_estimates_and_fits() {
         value * if is(name, ["tau1", "b.c.torque"]) { -1.0 } else { 1.0 }
     });
     let slow = changed(&log, |name, value| value * if name == "t" { 1e3 } else { 1.0 });
+    // Two joints without mass: their friction is all that the model's torque is.
+    let friction = "rotor_inertia_kg_m2: 0.01, friction: [{side: JOINT, viscous: 2, coulomb_positive: 9}]}";
+    let rough = BARE.replace("rotor_inertia_kg_m2: 0.01}", friction);
+    let said = call(&server, &["robot", "register", "rough", "--description", "-"], &rough);
+    assert_eq!(said.code, exit::OK, "{}", said.errors);
     for (text, part) in [
         (&degrees, "is it in degrees?"),
         (&against, "runs against the model's torque"),
         (&slow, "are times milliseconds?"),
         (&log, ""),
     ] {
-        let said = call(&server, &["drive", "estimate", "arm", "-"], text);
-        let hints: Vec<&str> = said.output.lines().filter(|line| line.contains('?')).collect();
+        let said = call(&server, &["drive", "estimate", "rough", "-"], text);
+        let hints: Vec<&str> = said
+            .output
+            .lines()
+            .filter(|line| line.starts_with("warning") && line.contains('?'))
+            .collect();
         assert_eq!(hints.len(), usize::from(!part.is_empty()), "{part}: {}", said.output);
         assert!(hints.iter().all(|hint| hint.contains(part)), "{hints:?}");
     }
-    let said = call(&server, &["drive", "fit", "arm", "-", "--scope", "friction"], &against);
+    let unknown = call(&server, &["drive", "estimate", "arm", "-"], &against).output;
+    assert!(unknown.contains("has the torque the right sign?"), "{unknown}");
+    let said = call(
+        &server,
+        &["drive", "fit", "rough", "-", "--scope", "friction"],
+        &against,
+    );
     assert!(
         said.output.contains("runs against the model's torque"),
         "{}{}",

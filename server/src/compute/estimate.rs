@@ -189,7 +189,7 @@ impl Estimating {
             } else {
                 proposal.warn(
                     joint,
-                    ["its friction stays as it is: the motion did not say enough of it".to_owned()],
+                    ["friction stays as it is: the motion did not say enough of it".to_owned()],
                 );
             }
             known.residuals.push(estimate.residual());
