@@ -1,8 +1,9 @@
-//! The interval that a controller can state which watches its own torques: the model's, widened or narrowed by the recent residual.
+//! The interval that a controller can state which watches its own torques: the model's, moved, widened or narrowed by the recent
+//! residual.
 //!
 //! ```text
 //! e(k) = τ(k) − τ_model(k)            foretold h samples ahead:   e(k) in c ± w
-//! c = φ·e(k−h)          φ = Σ λ·e(i)·e(i−h)/b(i)² / Σ λ·e(i−h)²/b(i−h)²
+//! c = φ·b(k)·e(k−h)/b(k−h)            φ = Σ λ·x(i)·x(i−h) / Σ λ·x(i−h)²,  x = e/b
 //! w = b(k)·T·√(S/N)·exp θ             S/N: mean of (r/b)², forgotten alike, r = e − c
 //! θ ← θ + γ·([|r| > w] − α)
 //! ```
@@ -12,12 +13,13 @@
 //! to one side for as long as the pose lasts) and how large it is. c and S follow them. S/N comes from few independent errors, so it has a Student's T.
 //! θ takes in what Student's distribution does not say: it is adaptive conformal inference (I. Gibbs, E. Candès, "Adaptive conformal inference
 //! under distribution shift", 2021; on a scale as in A. Angelopoulos et al., "Conformal PID control for time series prediction",
-//! 2023). Over n samples the part outside differs from α by at most the way of θ over γ·n, and as many samples as h of them, whatever the residual does.
+//! 2023). Over n samples the part outside differs from α by at most the way of θ over γ·n and h/n,
+//! whatever the residual does, as long as θ is not at its bound.
 //!
 //! At a sample all is from residuals that are h samples old. Before the first, the interval is the model's. While a joint is at rest friction may
 //! be anything between its two directions: the interval has the allowance for that, and nothing is learnt.
 //!
-//! The state is 2·h + 1 samples and six numbers, whatever was seen.
+//! The state is 2·h samples and five numbers, whatever was seen.
 
 use std::collections::VecDeque;
 
