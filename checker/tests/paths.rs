@@ -79,7 +79,7 @@ fn speeds_at_the_ends_are_had_within_every_limit() {
     let robots = robots::all();
     let mut refused: BTreeMap<String, u64> = BTreeMap::new();
     let mut plans = [0; 2];
-    for seed in 0..120 {
+    for seed in 0..48 {
         let trial = programs::moving_of_seed(&robots, seed, FINE);
         match plan(trial.example, &trial.request) {
             Ok(plan) => {
@@ -91,7 +91,7 @@ fn speeds_at_the_ends_are_had_within_every_limit() {
             Err(reason) => *refused.entry(reason).or_default() += 1,
         }
     }
-    assert!(plans.iter().all(|plans| *plans >= 20), "{plans:?} {refused:?}");
+    assert!(plans.iter().all(|plans| *plans >= 8), "{plans:?} {refused:?}");
 }
 
 #[test]
