@@ -3,8 +3,11 @@
 
 use nalgebra::{Isometry3, Vector3};
 
-use super::request::{Arc, Blend, Circle, Extent, PathRequest, Segment, Shape, Spline, SplineKind, Target, Weight};
+use super::request::{
+    Arc, Blend, Circle, Extent, PathRequest, Segment, Shape, Spline, SplineKind, Target, Timing, Weight,
+};
 use crate::error::Invalid;
+use crate::plan::request::Sampling;
 use crate::robot::Robot;
 use crate::robot::bounds::{LENGTH, MAX_FINDINGS};
 use crate::robot::spec::JointKind;
@@ -20,6 +23,12 @@ pub(super) fn check(robot: &Robot, request: &PathRequest) -> Vec<Invalid> {
         wrong: Vec::new(),
     };
     check.positions("start.position", &request.start, START_SLACK);
+    let on_cycle = request.timing == Timing::Optimal && matches!(request.sampling, Sampling::Period(_));
+    if on_cycle && request.end_speed.is_some() {
+        let message = "a motion that ends at speed does not last a whole number of sample periods: ask for trace_points, \
+                       or let it end at rest";
+        check.add("end_speed", message.to_owned());
+    }
     let count = request.segments.len();
     if count == 0 {
         check.add("segments", "a program needs at least one segment".to_owned());

@@ -5,7 +5,7 @@ use super::check::check;
 use super::fault::{Fault, infeasible};
 use super::follow::Halt;
 use super::outcome::{ConstantSpeedReport, Location, PathInfeasible, PathInfeasibleReason, PathLimit};
-use super::plan::{Run, Runs, TimedRun, in_cycles, slower, worst};
+use super::plan::{Run, Runs, TimedRun, in_cycles, rest_after, slower, worst};
 use super::problem::Problem;
 use super::request::{Extent, OnExcess, PathRequest, Shape};
 use super::shape::{Circle, ToolCurve};
@@ -18,7 +18,7 @@ use crate::error::Invalid;
 use crate::plan::Failure;
 use crate::process::{ProcessRequest, ProcessSegment, constant_speed};
 use crate::timing::law::TimeLaw;
-use crate::tolerance::{CONSTANT_PARTS_MIN, CONSTANT_SLOW_ROUNDS, LAW_CYCLE_ROUNDING, TIMING_INTERVALS};
+use crate::tolerance::{CONSTANT_PARTS_MIN, CONSTANT_SLOW_ROUNDS, TIMING_INTERVALS};
 
 /// Plans a program at constant speed.
 pub(super) fn at_constant_speed(
@@ -157,7 +157,7 @@ impl Planner<'_> {
                 }
                 self.add_report(report, &taught, begin);
                 self.teacher.q = run.end();
-                let dwell = self.rest_after(begin + law.duration(), dwell);
+                let dwell = rest_after(begin + law.duration(), dwell, self.cycle);
                 self.runs.runs.push(TimedRun {
                     run: Box::new(run),
                     law,
@@ -182,15 +182,6 @@ impl Planner<'_> {
         let why =
             "no constant speed was found at which the arm can follow; relax the limits, or lower the speed".to_owned();
         Err(infeasible(PathInfeasibleReason::ConstantSpeed, at, why).into())
-    }
-
-    /// How long the arm rests after a chain that ends at `end`: what is asked for, and to the end of a cycle. The time between
-    /// its first and last transition is a whole number of cycles, but transitions that are given or slowed down are not.
-    fn rest_after(&self, end: f64, dwell: f64) -> f64 {
-        let Some(cycle) = self.cycle else { return dwell };
-        let cycles = ((end + dwell) / cycle * (1.0 - LAW_CYCLE_ROUNDING)).ceil();
-        let rest = cycles * cycle - end;
-        if rest > LAW_CYCLE_ROUNDING * end { rest } else { 0.0 }
     }
 
     /// Reads the geometry of a chain; segments that go nowhere are left out. Leaves the teacher at its start.

@@ -22,7 +22,7 @@ use crate::robot::Robot;
 use crate::timing::law::TimeLaw;
 use crate::timing::{self, Obstacle, Task};
 use crate::tolerance::{
-    DURATION_MAX, PATH_SLOW_RESERVE, PATH_SLOW_ROUNDS, SETPOINTS_MAX, TIMING_INTERVALS, TRAVEL_MIN,
+    DURATION_MAX, LAW_CYCLE_ROUNDING, PATH_SLOW_RESERVE, PATH_SLOW_ROUNDS, SETPOINTS_MAX, TIMING_INTERVALS, TRAVEL_MIN,
 };
 
 /// A path without a stop within it, as the answer sees it.
@@ -202,6 +202,14 @@ pub(super) fn in_cycles(dwell: f64, cycle: Option<f64>) -> f64 {
     cycle.map_or(dwell, |cycle| (dwell / cycle).ceil() * cycle)
 }
 
+/// How long the arm rests after a motion that ends at `end`: what is asked for, and to the end of a cycle.
+pub(super) fn rest_after(end: f64, dwell: f64, cycle: Option<f64>) -> f64 {
+    let Some(cycle) = cycle else { return dwell };
+    let cycles = ((end + dwell) / cycle * (1.0 - LAW_CYCLE_ROUNDING)).ceil();
+    let rest = cycles * cycle - end;
+    if rest > LAW_CYCLE_ROUNDING * end { rest } else { 0.0 }
+}
+
 /// Times one stroke, and slows it down until the verifier finds every limit kept.
 fn time(
     problem: &Problem,
@@ -245,13 +253,18 @@ fn time(
         };
         let examined = examine(&problem.robot, &problem.tcp, timed, &ranges, budget)?;
         let Some(worst) = worst(&examined) else {
+            let ends_at_rest = speeds[1] == 0.0;
             return Ok(Ok(TimedRun {
-                dwell: in_cycles(stroke.dwell(), cycle),
+                dwell: if ends_at_rest {
+                    rest_after(begin + law.duration(), stroke.dwell(), cycle)
+                } else {
+                    0.0
+                },
                 run: Box::new(stroke),
                 law,
                 examined,
                 begin,
-                ends_at_rest: speeds[1] == 0.0,
+                ends_at_rest,
             }));
         };
         let factor = match slower(&worst, &examined) {
@@ -320,7 +333,7 @@ pub(super) fn broken(run: &dyn Run, worst: &Tightest, examined: &Examined) -> Pa
             "a lighter payload, or a way on which gravity pulls less on this joint",
         ),
         _ => (
-            PathInfeasibleReason::BoundarySpeed,
+            PathInfeasibleReason::NoTiming,
             "a lower speed at the start or the end of the path",
         ),
     };

@@ -140,6 +140,14 @@ fn whole() -> Vec<Row> {
         row("jerk -1", |m| m.jerk_scale = Some(-1.0), &["jerk_scale"]),
         row("start speed infinite", |m| m.start_speed = Some(INF), &["start_speed"]),
         row("end speed 0", |m| m.end_speed = Some(0.0), &["end_speed"]),
+        row(
+            "a speed at the end, on a cycle",
+            |m| {
+                m.end_speed = Some(0.1);
+                (m.sample_period_s, m.trace_points) = (Some(0.004), None);
+            },
+            &["end_speed"],
+        ),
         row("period 0", |m| m.sample_period_s = Some(0.0), &["sample_period_s"]),
         row("trace of one", |m| m.trace_points = Some(1), &["trace_points"]),
         row("a long trace", |m| m.trace_points = Some(100_001), &["trace_points"]),

@@ -5,6 +5,7 @@ use crate::budget::Budget;
 use crate::path::outcome::{PathInfeasibleReason, PathLimit, PathOutcome, PathPlan};
 use crate::path::plan_path;
 use crate::path::request::*;
+use crate::plan::Failure;
 use crate::plan::request::{LimitOverride, Sampling};
 use crate::robot::Robot;
 use crate::robot::spec::Inertial;
@@ -212,6 +213,33 @@ fn a_speed_at_the_end_is_kept() {
         .map(|joint| joint.velocity[199].abs())
         .fold(0.0, f64::max);
     assert!((fastest - 0.5).abs() < 1e-9, "{fastest}");
+}
+
+#[test]
+fn on_a_cycle_a_speed_at_the_start_is_kept_and_one_at_the_end_refused() {
+    let robot = ur5e();
+    let on_cycle = |start_speed, end_speed| PathRequest {
+        start_speed,
+        end_speed,
+        sampling: Sampling::Period(0.008),
+        ..request(&START, corner())
+    };
+    let plan = planned(&robot, &on_cycle(Some(0.3), None));
+    let samples = plan.setpoints.unwrap().samples;
+    let last = samples.time.len() - 1;
+    assert!((plan.duration - samples.time[last]).abs() < 1e-12, "{}", plan.duration);
+    let fastest = |at: usize| {
+        samples
+            .joints
+            .iter()
+            .fold(0.0_f64, |most, joint| most.max(joint.velocity[at].abs()))
+    };
+    assert!((fastest(0) - 0.3).abs() < 1e-9 && fastest(last) == 0.0);
+    let refused = plan_path(&robot, &on_cycle(None, Some(0.3)), &Budget::unlimited()).unwrap_err();
+    let Failure::Invalid(found) = refused else {
+        panic!("{refused:?}");
+    };
+    assert_eq!(found[0].path, "end_speed");
 }
 
 /// Every joint's jerk is limited: the set-points' third differences keep it, and it costs time.
