@@ -153,3 +153,30 @@ async fn what_is_wrong_is_named() {
         }
     }
 }
+
+/// An arm at rest, logged in degrees, is no fit; that is said, and what is odd about it.
+#[tokio::test]
+async fn a_fit_that_cannot_be_tells_what_looks_wrong_with_the_log() {
+    let server = TestServer::start().await;
+    let times: Vec<f64> = (0..400).map(|index| 0.01 * f64::from(index)).collect();
+    let of = |of: &dyn Fn(f64) -> f64| times.iter().map(|time| of(*time)).collect::<Vec<_>>();
+    let joint = v1::TelemetryColumns {
+        position: of(&|_| 90.0),
+        torque: of(&|time| time.cos()),
+        ..Default::default()
+    };
+    let motion = Fit::Motion(v1::MotionFitRequest {
+        recording: Some(v1::Telemetry {
+            joints: vec![joint; 4],
+            time_s: times.clone(),
+        }),
+        scope: Some(1),
+        ..Default::default()
+    });
+    let (outcome, proposal) = fit(&server, motion).await;
+    let Outcome::NotExcited(told) = outcome else {
+        panic!("{outcome:?}");
+    };
+    assert!(proposal.is_none());
+    assert!(told.warnings.iter().any(|hint| hint.contains("degrees")), "{told:?}");
+}

@@ -176,6 +176,9 @@ pub(crate) fn missing(what: &str, missing: &v1::NotExcited, colour: bool) -> Str
             let _ = writeln!(out, "    left open: {}", names.join(", "));
         }
     }
+    for warning in &missing.warnings {
+        let _ = writeln!(out, "{} {warning}", paint("warning:", Tone::Bold, colour));
+    }
     out
 }
 

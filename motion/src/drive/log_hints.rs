@@ -16,9 +16,10 @@ mod say;
 
 use super::fit::recording::Recording;
 use super::telemetry::Telemetry;
+use crate::budget::{Budget, Stopped};
 use crate::dynamics::{self, Workspace};
 use crate::robot::Robot;
-use crate::tolerance::LOG_WINDOW;
+use crate::tolerance::{BUDGET_STRIDE, LOG_WINDOW};
 
 /// What is seen of a log as it comes.
 #[derive(Debug)]
@@ -124,9 +125,11 @@ impl LogHints {
         }
     }
 
-    /// Hints of a whole recording.
-    #[must_use]
-    pub fn of_recording(robot: &Robot, recording: &Recording) -> Vec<String> {
+    /// Hints of a whole recording, whatever is in it.
+    ///
+    /// # Errors
+    /// The budget ended.
+    pub fn of_recording(robot: &Robot, recording: &Recording, budget: &Budget<'_>) -> Result<Vec<String>, Stopped> {
         let mut hints = Self::new(robot.clone());
         if matches!(recording.effort, super::fit::recording::Effort::Current(_)) {
             hints.columns.torque = "motor_current";
@@ -139,6 +142,9 @@ impl LogHints {
             values.collect::<Vec<f64>>()
         };
         for (index, &time) in recording.time.iter().enumerate() {
+            if index % BUDGET_STRIDE == 0 {
+                budget.check()?;
+            }
             hints.add(Row {
                 time,
                 position: at(&recording.position, index),
@@ -149,7 +155,7 @@ impl LogHints {
                 torque: at(&torque, index),
             });
         }
-        hints.messages()
+        Ok(hints.messages())
     }
 
     /// Takes in a block, which fits the arm and follows the one before.

@@ -51,13 +51,17 @@ pub(crate) fn fit_drive(
         Some(payload) => robot.robot.with_payload(payload),
         None => robot.robot.clone(),
     };
+    // what looks wrong with a log may be why there is no fit
+    let hints = LogHints::of_recording(&loaded, &read.recording, budget);
+    let hints = hints.map_err(|stopped| failed(stopped.into(), deadline))?;
     let in_words = |part: &'static str| {
-        let spec = robot.robot.spec();
+        let (spec, hints) = (robot.robot.spec(), &hints);
         move |failure: plan::Failure| match failure {
             plan::Failure::Invalid(list) => {
                 let list = list.into_iter();
                 let list = list.map(|found| convert::fit::finding_on_recording(found, wire, spec, part));
-                ServiceError::invalid(list.collect())
+                let hints = hints.iter().map(|hint| Invalid::new("motion.recording", hint.clone()));
+                ServiceError::invalid(list.chain(hints).collect())
             }
             stopped @ plan::Failure::Stopped => failed(stopped, deadline),
         }
@@ -72,15 +76,16 @@ pub(crate) fn fit_drive(
     let (outcome, proposal) = match outcome {
         MotionOutcome::NotExcited(missing) => {
             Span::current().record("outcome", "not excited");
-            (Outcome::NotExcited(convert::fit::missing_to_wire(&missing, spec)), None)
+            let mut answer = convert::fit::missing_to_wire(&missing, spec);
+            answer.warnings.clone_from(&hints);
+            (Outcome::NotExcited(answer), None)
         }
         MotionOutcome::Fitted(fit) => {
             Span::current().record("outcome", "fit");
             let fitted = Robot::new(fit.spec.clone(), Vec::new()).map_err(|list| unusable(&list))?;
             let mut answer = convert::fit::fit_to_wire(&fit, spec);
             // what is wrong with the log comes before what is odd in its fit
-            let hints = LogHints::of_recording(&loaded, &read.recording);
-            answer.warnings.splice(0..0, hints);
+            answer.warnings.splice(0..0, hints.iter().cloned());
             let to_wire = |assessment: Option<Assessment>| {
                 assessment.map(|assessment| convert::fit::assessment_to_wire(&assessment, spec))
             };

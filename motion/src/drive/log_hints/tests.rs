@@ -59,7 +59,7 @@ fn said(change: impl Fn(&mut Recording)) -> Vec<String> {
     let robot = arm();
     let mut recording = recording(&robot);
     change(&mut recording);
-    LogHints::of_recording(&robot, &recording)
+    LogHints::of_recording(&robot, &recording, &Budget::unlimited()).unwrap()
 }
 
 #[test]

@@ -27,7 +27,7 @@ pub fn fit_to_wire(fit: &MotionFit, robot: &RobotSpec) -> v1::MotionFit {
     }
 }
 
-/// Writes what a motion does not say.
+/// Writes what a motion does not say; warnings are the caller's.
 #[must_use]
 pub fn missing_to_wire(missing: &[Missing], robot: &RobotSpec) -> v1::NotExcited {
     let missing = missing.iter().map(|one| v1::MissingInMotion {
@@ -40,6 +40,7 @@ pub fn missing_to_wire(missing: &[Missing], robot: &RobotSpec) -> v1::NotExcited
     });
     v1::NotExcited {
         missing: missing.collect(),
+        warnings: Vec::new(),
     }
 }
 
