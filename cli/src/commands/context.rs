@@ -41,6 +41,47 @@ pub(crate) fn print_json<M: serde::Serialize>(reply: &M, io: &mut Io) -> Result<
     io.print(&text)
 }
 
+/// A motion: a move between two configurations, or what a file says.
+#[derive(Debug, Args)]
+pub(crate) struct MotionArgs {
+    /// Joint positions to start from, in model order: rad or m, or with a unit (90deg, 5mm).
+    #[arg(
+        long,
+        value_name = "Q1,Q2,…",
+        required_unless_present = "program",
+        allow_hyphen_values = true
+    )]
+    from: Option<JointValues>,
+    /// Joint positions to end at.
+    #[arg(
+        long,
+        value_name = "Q1,Q2,…",
+        required_unless_present = "program",
+        allow_hyphen_values = true
+    )]
+    to: Option<JointValues>,
+    /// A program, or the request of a move, in YAML, TOML or JSON; - for standard input.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["from", "to"])]
+    pub(crate) program: Option<String>,
+}
+
+impl MotionArgs {
+    /// The move between the two configurations.
+    pub(crate) fn between(&self) -> v1::PlanMoveRequest {
+        let position = |values: &Option<JointValues>| {
+            let values = values.as_ref();
+            values.map(|values| v1::JointPosition {
+                position: si(values, false, None),
+            })
+        };
+        v1::PlanMoveRequest {
+            start: position(&self.from),
+            target: position(&self.to),
+            ..Default::default()
+        }
+    }
+}
+
 /// What the arm carries in this request.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Payload")]

@@ -6,13 +6,13 @@ use takt_client::{
     v1::{self, rehearse_request::Motion, rehearse_response::Outcome},
 };
 
-use super::context;
+use super::context::{self, MotionArgs};
 use crate::{
     exit,
     failure::Failure,
     files,
     io::Io,
-    numbers::{self, JointValues},
+    numbers,
     render::{
         infeasible, path, rehearsal,
         svg::{self, Heading},
@@ -43,25 +43,8 @@ Exit code 3: the motion cannot be planned, or the simulated arm could not follow
 pub(crate) struct RehearseArgs {
     /// The robot.
     robot_id: String,
-    /// Joint positions to start from, in model order: rad or m, or with a unit (90deg, 5mm).
-    #[arg(
-        long,
-        value_name = "Q1,Q2,…",
-        required_unless_present = "program",
-        allow_hyphen_values = true
-    )]
-    from: Option<JointValues>,
-    /// Joint positions to end at.
-    #[arg(
-        long,
-        value_name = "Q1,Q2,…",
-        required_unless_present = "program",
-        allow_hyphen_values = true
-    )]
-    to: Option<JointValues>,
-    /// A program, a trajectory, or a whole request; - for standard input.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["from", "to"])]
-    program: Option<String>,
+    #[command(flatten)]
+    motion: MotionArgs,
     /// True friction over the model's: 1.5 or 150% is half as much again, of one joint elbow_joint=1.5; may be given several times.
     #[arg(long, value_name = "[JOINT=]RATIO", value_parser = of_joint)]
     friction: Vec<(String, f64)>,
@@ -169,14 +152,10 @@ fn draw(args: &RehearseArgs, rehearsal: &v1::Rehearsal, robot: &v1::Robot, io: &
 }
 
 fn request(args: &RehearseArgs, io: &mut Io) -> Result<v1::RehearseRequest, Failure> {
-    let mut request = match &args.program {
+    let mut request = match &args.motion.program {
         Some(file) => of_file(file, &files::read(file, io)?)?,
         None => v1::RehearseRequest {
-            motion: Some(Motion::Move(v1::PlanMoveRequest {
-                start: position(args.from.as_ref()),
-                target: position(args.to.as_ref()),
-                ..Default::default()
-            })),
+            motion: Some(Motion::Move(args.motion.between())),
             ..Default::default()
         },
     };
@@ -196,12 +175,6 @@ fn request(args: &RehearseArgs, io: &mut Io) -> Result<v1::RehearseRequest, Fail
         truth.viscous_scale_rate = Some(*rate);
     }
     Ok(request)
-}
-
-fn position(values: Option<&JointValues>) -> Option<v1::JointPosition> {
-    values.map(|values| v1::JointPosition {
-        position: context::si(values, false, None),
-    })
 }
 
 fn truth_of<'a>(list: &'a mut Vec<v1::FrictionTruth>, joint: &str) -> &'a mut v1::FrictionTruth {

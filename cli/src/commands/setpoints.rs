@@ -6,13 +6,13 @@ use takt_client::{
     v1::{self, plan_move_response, plan_path_response, setpoints_header::Answer, stream_setpoints_request::Motion},
 };
 
-use super::context;
+use super::context::{self, MotionArgs};
 use crate::{
     exit,
     failure::Failure,
     files,
     io::Io,
-    numbers::{self, JointValues},
+    numbers,
     render::{csv, infeasible, path},
 };
 
@@ -31,25 +31,8 @@ Exit code 3: the motion is infeasible; the evidence is on standard error.")]
 pub(crate) struct SetpointsArgs {
     /// The robot.
     robot_id: String,
-    /// Joint positions to start from, in model order: rad or m, or with a unit (90deg, 5mm).
-    #[arg(
-        long,
-        value_name = "Q1,Q2,…",
-        required_unless_present = "program",
-        allow_hyphen_values = true
-    )]
-    from: Option<JointValues>,
-    /// Joint positions to end at.
-    #[arg(
-        long,
-        value_name = "Q1,Q2,…",
-        required_unless_present = "program",
-        allow_hyphen_values = true
-    )]
-    to: Option<JointValues>,
-    /// A program, or the request of a move, in YAML, TOML or JSON; - for standard input.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["from", "to"])]
-    program: Option<String>,
+    #[command(flatten)]
+    motion: MotionArgs,
     /// Time between set-points, as in 4ms. Default: the program's.
     #[arg(long, value_name = "TIME", value_parser = numbers::seconds)]
     sample_period: Option<f64>,
@@ -102,24 +85,14 @@ pub(crate) async fn run(args: SetpointsArgs, client: &Client, io: &mut Io) -> Re
 }
 
 fn motion(args: &SetpointsArgs, io: &mut Io) -> Result<Motion, Failure> {
-    if let Some(file) = &args.program {
+    if let Some(file) = &args.motion.program {
         let text = files::read(file, io)?;
         return match files::has_key(file, &text, "segments") {
             true => files::program(file, &text).map(Motion::Path),
             false => files::message(file, &text).map(Motion::Move),
         };
     }
-    let position = |values: &Option<JointValues>| {
-        let values = values.as_ref();
-        values.map(|values| v1::JointPosition {
-            position: context::si(values, false, None),
-        })
-    };
-    Ok(Motion::Move(v1::PlanMoveRequest {
-        start: position(&args.from),
-        target: position(&args.to),
-        ..Default::default()
-    }))
+    Ok(Motion::Move(args.motion.between()))
 }
 
 /// Asks for set-points of the motors; what a file says of them stays where nothing is asked.
