@@ -157,10 +157,12 @@ pub(crate) fn warnings(robot: &Robot, unknowns: &Unknowns, fit: &MotionFit) -> V
             ));
         }
     }
-    for estimate in estimates.iter().filter(|estimate| estimate.held) {
+    let held = estimates.iter().filter(|estimate| estimate.held);
+    let held: Vec<String> = held.map(|estimate| name(robot, estimate.unknown)).collect();
+    if !held.is_empty() {
         warnings.push(format!(
-            "{} would have come out below 0 and is held there",
-            name(robot, estimate.unknown)
+            "would have come out below 0, and held there: {}",
+            held.join(", ")
         ));
     }
     warnings
