@@ -40,9 +40,12 @@ use serde::{Deserialize, Serialize};
 use takt_checker::path::report::PathReport;
 use takt_checker::recheck_path;
 use takt_checker::statistics::quantile;
+use takt_motion::Invalid;
 use takt_motion::budget::Budget;
 use takt_motion::path::outcome::{PathOutcome, PathPlan};
 use takt_motion::path::plan_path;
+use takt_motion::path::request::{ArcOrientation, PathRequest, Shape};
+use takt_motion::plan::Failure;
 
 /// Seeds that are done, and written down, together.
 const CHUNK: u64 = 100;
@@ -101,6 +104,21 @@ fn recheck(trial: &Trial<'_>, plan: &PathPlan) -> PathReport {
     recheck_path(trial.example.robot.spec(), &trial.request, plan, trial.density)
 }
 
+/// Whether a drawn program is none, for the one reason that there may be: behind an arc that turns the tool with it, a
+/// spline is drawn as if the arc had not, and its first point may be farther away in orientation than it may.
+fn is_none(request: &PathRequest, found: &[Invalid]) -> bool {
+    let turned = |index: usize| {
+        let before = index.checked_sub(1).map(|before| &request.segments[before].shape);
+        matches!(before, Some(Shape::Arc(arc)) if arc.orientation == ArcOrientation::Tangent)
+    };
+    let [only] = found else { return false };
+    let segments = 0..request.segments.len();
+    only.message.starts_with("the orientation is")
+        && segments
+            .into_iter()
+            .any(|index| turned(index) && only.path == format!("segments[{index}].spline.points[0]"))
+}
+
 /// One program a seed.
 fn run(robots: &[Example], seeds: Range<u64>) -> Tally {
     let mut tally = Tally {
@@ -130,6 +148,7 @@ impl Tally {
                 return;
             }
             Ok(PathOutcome::Infeasible(infeasible)) => format!("{:?}", infeasible.reason),
+            Err(Failure::Invalid(found)) if is_none(&trial.request, &found) => "NoProgram".to_owned(),
             Err(failure) => {
                 self.findings
                     .violations

@@ -24,19 +24,6 @@ pub(crate) struct Trial<'a> {
     pub(crate) density: Density,
 }
 
-/// The program of a seed with speeds at its ends. Such a motion is not stretched to whole cycles: it is sampled as a trace.
-#[allow(dead_code, reason = "not every program that shares this file looks at them")]
-pub(crate) fn moving_of_seed(robots: &[Example], seed: u64, fine: usize) -> Trial<'_> {
-    let mut trial = of_seed(robots, seed, fine);
-    let draw = &mut Draw::seeded(!seed);
-    draw_program::with_boundary_speeds(draw, trial.example.robot.spec(), &mut trial.request);
-    if matches!(trial.request.sampling, Sampling::Period(_)) {
-        trial.request.sampling = Sampling::Trace(fine + 1);
-        trial.density = Density::Coarse;
-    }
-    trial
-}
-
 /// The program of a seed. Every other one of a robot has jerk limits; one in four is sampled at a drive's period, the
 /// others `fine` times between two stops.
 pub(crate) fn of_seed(robots: &[Example], seed: u64, fine: usize) -> Trial<'_> {
