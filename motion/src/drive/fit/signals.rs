@@ -6,6 +6,8 @@
 //! the same low-pass at the band, so that what one loses the other loses too (M. Gautier, P. Poignet, "Extended Kalman
 //! filtering and weighted least squares dynamic identification of robot", 2001: "parallel filtering").
 
+use std::ops::Range;
+
 use super::filter::{LowPass, derivative};
 use super::recording::{Recording, Selection};
 use crate::budget::Budget;
@@ -53,14 +55,8 @@ impl Signals {
             );
             return Err(fault("band", message));
         }
-        if let Some(i) = time.windows(2).position(|pair| pair[1] - pair[0] > GAP_BANDS / band) {
-            let gap = time[i + 1] - time[i];
-            let message = format!(
-                "a gap of {gap:.3} s, {:.3} s is the longest in a band of {band} Hz",
-                GAP_BANDS / band
-            );
-            return Err(fault(&format!("time[{}]", i + 1), message));
-        }
+        let run = run_of(time, selection)?;
+        let time = &time[run.clone()];
         let stride = ((1.0 / (native * band * FIT_BAND_SAMPLES)) as usize).max(1);
         let period = native * stride as f64;
         let smooth = LowPass::new(KINEMATIC_BAND * band, native);
@@ -68,7 +64,7 @@ impl Signals {
             let mut all = Vec::with_capacity(series.len());
             for values in series {
                 budget.check()?;
-                let mut even = resample(time, values, native);
+                let mut even = resample(time, &values[run.clone()], native);
                 smooth.apply(&mut even);
                 all.push(even);
             }
@@ -123,6 +119,35 @@ impl Signals {
     pub(crate) fn of<'a>(&self, series: &'a [f64]) -> &'a [f64] {
         &series[self.selected.0..self.selected.1]
     }
+}
+
+/// The samples without a gap around what is selected. What lies behind a gap is another run of the arm: no filter goes across.
+fn run_of(time: &[f64], selection: &Selection) -> Result<Range<usize>, Failure> {
+    let longest = GAP_BANDS / selection.band;
+    let (from, to) = selection.range.unwrap_or((time[0], time[time.len() - 1]));
+    let mut run = 0..time.len();
+    for (i, pair) in time.windows(2).enumerate() {
+        let gap = pair[1] - pair[0];
+        if gap <= longest {
+            continue;
+        }
+        if pair[1] <= from {
+            run.start = i + 1;
+        } else if pair[0] >= to {
+            run.end = i + 1;
+            break;
+        } else {
+            let message = format!(
+                "a gap of {gap:.3} s, {longest:.3} s is the longest in a band of {} Hz",
+                selection.band
+            );
+            return Err(Failure::Invalid(vec![Invalid::new(
+                &format!("time[{}]", i + 1),
+                message,
+            )]));
+        }
+    }
+    Ok(run)
 }
 
 fn median_period(time: &[f64]) -> f64 {
@@ -204,6 +229,11 @@ mod tests {
         let mut gap = sound.clone();
         gap.time[500..].iter_mut().for_each(|t| *t += 1.0);
         assert_eq!(refused(&gap, Selection::default()), "time[500]");
+        let across = Selection {
+            range: Some((1.9, 3.2)),
+            ..Selection::default()
+        };
+        assert_eq!(refused(&gap, across), "time[500]");
         let of_band = |band| Selection { range: None, band };
         assert_eq!(refused(&sound, of_band(60.0)), "band");
         let late = Selection {
@@ -211,5 +241,29 @@ mod tests {
             ..Selection::default()
         };
         assert_eq!(refused(&sound, late), "range");
+    }
+    /// What is selected beside a gap is the run of the arm on that side alone, as if the other had not been recorded.
+    #[test]
+    fn the_runs_on_either_side_of_a_gap_are_apart() {
+        let arm = robot(planar());
+        let sound = recording(1000, &mut 3);
+        let mut gap = sound.clone();
+        gap.time[500..].iter_mut().for_each(|t| *t += 1.0);
+        gap.position[0][500..].iter_mut().for_each(|q| *q += 3.0);
+        let of = |recording: &Recording, from, to| {
+            let selection = Selection {
+                range: Some((from, to)),
+                ..Selection::default()
+            };
+            Signals::new(&arm, recording, &selection, &Budget::unlimited()).unwrap()
+        };
+        let mut first = sound.clone();
+        first.time.truncate(500);
+        let (before, alone) = (of(&gap, 0.0, 1.9), of(&first, 0.0, 1.9));
+        assert_eq!(before.q, alone.q);
+        assert_eq!(before.selected, alone.selected);
+        let after = of(&gap, 3.2, 4.8);
+        assert!(after.time[after.selected.0] >= 3.2 && after.time[0] >= gap.time[500]);
+        assert!(after.of(&after.q[0]).iter().all(|q| *q > 1.9));
     }
 }
