@@ -104,17 +104,22 @@ pub fn arm(draw: &mut Draw, count: usize) -> RobotSpec {
 }
 
 /// The same arm with drives that rub in proportion to their load, up to 12 %, and to the speed squared, up to 6 % of the
-/// peak torque at full speed, stated on either side of the gear.
+/// peak torque at full speed, stated on either side of the gear. Of every second joint whose friction has a viscous part that part
+/// grows less and less instead, down to hardly at full speed.
 #[must_use]
 pub fn with_rich_friction(draw: &mut Draw, mut spec: RobotSpec) -> RobotSpec {
-    for joint in &mut spec.joints {
+    for (index, joint) in spec.joints.iter_mut().enumerate() {
         let drive = &mut joint.drive;
         let speed = joint.limits.velocity.unwrap_or(1.0);
         let most = 0.03 * drive.peak_torque.unwrap_or(1.0) / (speed * speed);
-        let gain = drive.gear_ratio.abs().powi(3);
-        for (side, gain) in [(&mut drive.motor_friction, gain), (&mut drive.joint_friction, 1.0)] {
+        let ratio = drive.gear_ratio.abs();
+        for (side, ratio) in [(&mut drive.motor_friction, ratio), (&mut drive.joint_friction, 1.0)] {
             side.load_coulomb = draw.between(0.0, 0.06);
-            side.quadratic = draw.between(0.0, most) / gain;
+            let part = draw.between(0.0, 1.0);
+            side.quadratic = part * most / ratio.powi(3);
+            if index % 2 == 0 && side.viscous > 0.0 {
+                side.quadratic = -part * side.viscous / (2.0 * ratio * speed);
+            }
         }
     }
     spec

@@ -35,6 +35,8 @@ pub(crate) const GEAR_RATIO: Bound = between(1e-6, 1e6, "");
 pub(crate) const ROTOR_INERTIA: Bound = between(0.0, 1e6, " kg m²");
 /// Friction coefficients.
 pub(crate) const FRICTION: Bound = between(0.0, 1e9, "");
+/// Friction over speed squared. Lubricated gears resist less and less per speed: it may be below 0, as far as `merge` allows.
+pub(crate) const QUADRATIC_FRICTION: Bound = symmetric(1e9, "");
 /// Coulomb torque over gravity torque: gears have 0.05, and from 1 on a load does not sink by itself; a hundred is a unit error.
 pub(crate) const LOAD_COULOMB: Bound = between(0.0, 100.0, "");
 /// Torque over deflection before a contact slides.

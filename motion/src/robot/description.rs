@@ -164,7 +164,7 @@ pub struct FrictionEntry {
     pub coulomb_negative: Option<f64>,
     /// Default: 0.
     pub load_coulomb: Option<f64>,
-    /// Default: 0.
+    /// Default: 0. May be negative, but not below −viscous over twice the speed limit on that side.
     pub quadratic: Option<f64>,
     /// Default: the contact slides at once.
     pub presliding_stiffness: Option<f64>,

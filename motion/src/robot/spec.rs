@@ -120,7 +120,8 @@ pub struct Friction {
     pub coulomb_negative: f64,
     /// Coulomb torque that the load adds, over the magnitude of the joint's gravity torque: a number, the same on either side.
     pub load_coulomb: f64,
-    /// Torque over speed squared on that side: q·v·|v|.
+    /// Torque over speed squared on that side: q·v·|v|. Negative where the viscous term grows less and less, but no further than that
+    /// friction does not fall within the speed limit.
     pub quadratic: f64,
     /// Torque over deflection on that side before the contact slides (Dahl's σ₀); `None`: it slides at once. Plans and their
     /// margins do not use it: a contact that does not slide yet takes at most the Coulomb torque, which they count in full.

@@ -51,6 +51,10 @@ pub(crate) const FIT_NEWTON_DONE: f64 = 1.0e-12;
 /// Part of the foreseen decrease that a step must bring (Armijo).
 pub(crate) const FIT_DECREASE: f64 = 1.0e-4;
 
+/// Slope of friction at the speed limit, over its quadratic coefficient, that counts as none: what rounding leaves of c + 2·d·v̂ when d was made of
+/// the slope 0. A description's friction may fall by as much.
+pub(crate) const SLOPE_ROUNDING: f64 = 1.0e-12;
+
 /// Halvings of a step before it counts as none: below 1e-9 of it is rounding.
 pub(crate) const FIT_BACKTRACKS: usize = 30;
 

@@ -320,7 +320,7 @@ impl<'a> Fit<'a> {
                 described: self.described(k),
                 deviation: covariance[k * count + k].max(0.0).sqrt(),
                 told: told(k),
-                held: prior.magnitudes[k] && values[k] <= 0.0,
+                held: prior.is_held(values, k),
             });
         }
         let mut joints = Vec::with_capacity(self.design.rows.len());

@@ -8,7 +8,7 @@
 
 use super::excitation::name;
 use super::linear::dot;
-use super::report::{Bin, MotionFit};
+use super::report::{Bin, Estimate, MotionFit};
 use super::signals::Signals;
 use super::unknowns::Unknowns;
 use crate::budget::{Budget, Stopped};
@@ -157,13 +157,21 @@ pub(crate) fn warnings(robot: &Robot, unknowns: &Unknowns, fit: &MotionFit) -> V
             ));
         }
     }
-    let held = estimates.iter().filter(|estimate| estimate.held);
-    let held: Vec<String> = held.map(|estimate| name(robot, estimate.unknown)).collect();
-    if !held.is_empty() {
-        warnings.push(format!(
-            "would have come out below 0, and held there: {}",
-            held.join(", ")
-        ));
+    let (level, zero): (Vec<&Estimate>, Vec<&Estimate>) = estimates
+        .iter()
+        .filter(|estimate| estimate.held)
+        .partition(|estimate| estimate.value < 0.0);
+    for (held, what) in [
+        (zero, "would have come out below 0, and held there"),
+        (
+            level,
+            "friction would fall with speed below the speed limit, and is held level there",
+        ),
+    ] {
+        let names: Vec<String> = held.iter().map(|estimate| name(robot, estimate.unknown)).collect();
+        if !names.is_empty() {
+            warnings.push(format!("{what}: {}", names.join(", ")));
+        }
     }
     warnings
 }

@@ -80,7 +80,8 @@ pub struct Estimate {
     /// Part of the variance beforehand that the motion took away: near 1 where the motion tells, 0 where it says nothing and the
     /// value is the description's.
     pub told: f64,
-    /// It would have come out below 0, and was held there.
+    /// It would have come out below 0, and was held there. Of quadratic friction: friction would have fallen with speed within the limit,
+    /// and is level there.
     pub held: bool,
 }
 

@@ -1,20 +1,25 @@
 //! The fit itself: the least of
 //!
 //! ```text
-//! ½·Σ w·|y − X·p|²  +  γ·Σ d(P, P₀)  +  ½·Σ ((p − p₀)/s)²        over bodies P, and magnitudes p ≥ 0
+//! ½·Σ w·|y − X·p|²  +  γ·Σ d(P, P₀)  +  ½·Σ ((p − p₀)/s)²        over bodies P, magnitudes p ≥ 0, slopes u ≥ 0
+//! u = c + 2·d·v̂                                                   slope of friction c·v + d·v·|v| at the speed limit v̂
 //! ```
 //!
 //! The first term is the motion's, with weights that count each stretch of correlated samples once; the second draws bodies
 //! towards the description and keeps them bodies ([`super::pseudo`]); the third is what is known of friction and rotors
 //! beforehand, wide. The whole is convex: Newton's method with backtracking, magnitudes that would fall below 0 held there
 //! (D. Bertsekas, "Projected Newton methods for optimization problems with simple constraints", 1982).
+//!
+//! Gears under oil resist less and less per speed, so the quadratic term d may be negative: but friction never falls with speed within the
+//! limit, where the motion that is fitted may not have been. That bound is simple in u, which Newton's method therefore has in the place of d.
 
 use super::linear::{Cholesky, dot};
 use super::pseudo::Pull;
 use super::unknowns::Unknowns;
 use crate::budget::{Budget, Stopped};
 use crate::dynamics::regressor::BODY;
-use crate::tolerance::{FIT_BACKTRACKS, FIT_DECREASE, FIT_NEWTON_DONE, FIT_NEWTON_ROUNDS};
+use crate::robot::spec::ParameterKind;
+use crate::tolerance::{FIT_BACKTRACKS, FIT_DECREASE, FIT_NEWTON_DONE, FIT_NEWTON_ROUNDS, SLOPE_ROUNDING};
 
 /// What is known of the unknowns before the motion.
 #[derive(Debug, Clone)]
@@ -25,8 +30,18 @@ pub(crate) struct Prior {
     pub(crate) precision: Vec<f64>,
     /// Where each body begins, and what draws it.
     pub(crate) bodies: Vec<(usize, Pull)>,
-    /// Which unknowns must not be below 0.
+    /// Which unknowns must not be below 0: of a quadratic term with a slope the slope.
     pub(crate) magnitudes: Vec<bool>,
+    /// Joints with a speed limit and both terms.
+    slopes: Vec<Slope>,
+}
+
+/// What ties a joint's quadratic friction to its viscous one: where they are among the unknowns, and twice the speed limit.
+#[derive(Debug, Clone, Copy)]
+struct Slope {
+    viscous: usize,
+    quadratic: usize,
+    twice: f64,
 }
 
 /// A solution and its second derivatives.
@@ -54,7 +69,51 @@ impl Prior {
             precision: precision.collect(),
             bodies,
             magnitudes,
+            slopes: slopes(unknowns),
         })
+    }
+
+    /// Whether an unknown is where it may go no further.
+    pub(crate) fn is_held(&self, values: &[f64], index: usize) -> bool {
+        self.magnitudes[index] && self.bounded(values)[index] <= SLOPE_ROUNDING * values[index].abs()
+    }
+
+    /// The values with slopes in the place of quadratic terms.
+    fn bounded(&self, values: &[f64]) -> Vec<f64> {
+        let mut bounded = values.to_vec();
+        for slope in &self.slopes {
+            bounded[slope.quadratic] = values[slope.viscous] + slope.twice * values[slope.quadratic];
+        }
+        bounded
+    }
+
+    fn unbounded(&self, bounded: &[f64]) -> Vec<f64> {
+        let mut values = bounded.to_vec();
+        for slope in &self.slopes {
+            values[slope.quadratic] = (bounded[slope.quadratic] - bounded[slope.viscous]) / slope.twice;
+        }
+        values
+    }
+
+    /// Derivatives by what is bounded, of those by the unknowns: a row of them, in place.
+    fn by_bounded(&self, row: &mut [f64]) {
+        for slope in &self.slopes {
+            let by_slope = row[slope.quadratic] / slope.twice;
+            row[slope.viscous] -= by_slope;
+            row[slope.quadratic] = by_slope;
+        }
+    }
+
+    fn second_by_bounded(&self, hessian: &mut [f64]) {
+        let n = self.values.len();
+        hessian.chunks_mut(n).for_each(|row| self.by_bounded(row));
+        for slope in &self.slopes {
+            for column in 0..n {
+                let by_slope = hessian[slope.quadratic * n + column] / slope.twice;
+                hessian[slope.viscous * n + column] -= by_slope;
+                hessian[slope.quadratic * n + column] = by_slope;
+            }
+        }
     }
 
     /// Second derivatives of what is known beforehand, at given values.
@@ -104,6 +163,22 @@ impl Prior {
     }
 }
 
+fn slopes(unknowns: &Unknowns) -> Vec<Slope> {
+    let of_joint = |(joint, limit): (usize, &Option<f64>)| {
+        Some(Slope {
+            viscous: unknowns.index(joint, ParameterKind::Viscous)?,
+            quadratic: unknowns.index(joint, ParameterKind::Quadratic)?,
+            twice: 2.0 * (*limit)?,
+        })
+    };
+    unknowns
+        .speed_limits
+        .iter()
+        .enumerate()
+        .filter_map(|(j, limit)| of_joint((j, limit)))
+        .collect()
+}
+
 /// Solves from a start that keeps every bound. `None`: the second derivatives are not positive definite, so something is told neither by the
 /// motion nor beforehand.
 pub(crate) fn solve(
@@ -115,20 +190,23 @@ pub(crate) fn solve(
 ) -> Result<Option<Solution>, Stopped> {
     let n = start.len();
     let mut p = start.to_vec();
+    let mut bounded = prior.bounded(&p);
     let Some(mut least) = prior.objective(matrix, product, ridge, &p) else {
         return Ok(None);
     };
     let scale = least.abs() + 1.0;
     for _ in 0..FIT_NEWTON_ROUNDS {
-        let Some((gradient, hessian)) = prior
+        let Some((mut gradient, hessian)) = prior
             .gradient(matrix, product, ridge, &p)
             .zip(prior.second_derivatives(ridge, &p))
         else {
             return Ok(None);
         };
-        let hessian: Vec<f64> = hessian.iter().zip(matrix).map(|(a, b)| a + b).collect();
+        let mut hessian: Vec<f64> = hessian.iter().zip(matrix).map(|(a, b)| a + b).collect();
+        prior.by_bounded(&mut gradient);
+        prior.second_by_bounded(&mut hessian);
         let held: Vec<bool> = (0..n)
-            .map(|k| prior.magnitudes[k] && p[k] <= 0.0 && gradient[k] > 0.0)
+            .map(|k| prior.magnitudes[k] && bounded[k] <= 0.0 && gradient[k] > 0.0)
             .collect();
         let Some(step) = newton_step(&hessian, &gradient, &held, budget)? else {
             return Ok(None);
@@ -140,15 +218,17 @@ pub(crate) fn solve(
         while !done {
             let candidate: Vec<f64> = (0..n)
                 .map(|k| {
-                    let moved = p[k] + length * step[k];
+                    let moved = bounded[k] + length * step[k];
                     if prior.magnitudes[k] { moved.max(0.0) } else { moved }
                 })
                 .collect();
-            let foreseen: f64 = (0..n).map(|k| gradient[k] * (p[k] - candidate[k])).sum();
-            let value = prior.objective(matrix, product, ridge, &candidate);
+            let foreseen: f64 = (0..n).map(|k| gradient[k] * (bounded[k] - candidate[k])).sum();
+            let values = prior.unbounded(&candidate);
+            let value = prior.objective(matrix, product, ridge, &values);
             if let Some(value) = value.filter(|value| *value <= least - FIT_DECREASE * foreseen) {
                 done = least - value <= FIT_NEWTON_DONE * scale;
-                p = candidate;
+                p = values;
+                bounded = candidate;
                 least = value;
                 break;
             }

@@ -20,6 +20,8 @@ pub(crate) struct Unknowns {
     /// Values of all parameters of the joints, and of the payload, as described.
     pub(crate) joints: Vec<f64>,
     pub(crate) payload: [f64; BODY],
+    /// Of each joint, where it has one.
+    pub(crate) speed_limits: Vec<Option<f64>>,
 }
 
 impl Unknowns {
@@ -31,6 +33,7 @@ impl Unknowns {
             described: Vec::new(),
             bodies: Vec::new(),
             payload: body_parameters(robot.payload()),
+            speed_limits: speed_limits(robot),
             joints,
         };
         for (joint, of) in spec.joints.iter().enumerate() {
@@ -72,6 +75,7 @@ impl Unknowns {
                 .collect(),
             bodies: Vec::new(),
             payload: body_parameters(robot.payload()),
+            speed_limits: speed_limits(robot),
             joints,
         }
     }
@@ -138,6 +142,10 @@ impl Unknowns {
         }
         spec
     }
+}
+
+fn speed_limits(robot: &Robot) -> Vec<Option<f64>> {
+    robot.spec().joints.iter().map(|joint| joint.limits.velocity).collect()
 }
 
 fn body_from(values: &[f64]) -> Inertial {

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use crate::robot::bounds::{
     ACCELERATION, DAMPING, FRICTION, GEAR_RATIO, JERK, LOAD_COULOMB, MAX_JOINT_ENTRIES, MAX_STIFFNESS_TERMS, POSITION,
-    PRESLIDING_STIFFNESS, ROTOR_INERTIA, STIFFNESS, TORQUE, TORQUE_CONSTANT, VELOCITY,
+    PRESLIDING_STIFFNESS, QUADRATIC_FRICTION, ROTOR_INERTIA, STIFFNESS, TORQUE, TORQUE_CONSTANT, VELOCITY,
 };
 use crate::robot::chain::Chain;
 use crate::robot::description::{DriveEntry, FrictionEntry, JointEntry};
@@ -105,7 +105,7 @@ fn check_friction(path: &str, friction: Option<&FrictionEntry>, findings: &mut F
         ("coulomb_positive", friction.coulomb_positive, &FRICTION),
         ("coulomb_negative", friction.coulomb_negative, &FRICTION),
         ("load_coulomb", friction.load_coulomb, &LOAD_COULOMB),
-        ("quadratic", friction.quadratic, &FRICTION),
+        ("quadratic", friction.quadratic, &QUADRATIC_FRICTION),
         (
             "presliding_stiffness",
             friction.presliding_stiffness,

@@ -3,11 +3,46 @@
 use crate::robot::description::{DriveEntry, FrictionEntry, JointEntry};
 use crate::robot::findings::{Findings, quoted};
 use crate::robot::spec::{Drive, Friction, JointKind, JointSpec, Limits};
+use crate::tolerance::SLOPE_ROUNDING;
 
 /// What the entry states takes the place of what the joint has.
 pub(super) fn lay_over(joint: &mut JointSpec, entry: &JointEntry, index: usize, findings: &mut Findings) {
     lay_limits(joint, &entry.limits, index, findings);
     lay_drive(&mut joint.drive, &entry.drive);
+    check_slopes(joint, index, findings);
+}
+
+/// Friction must not fall with speed within the speed limit: it would push there, and a plan that goes faster than what was measured would
+/// count on it.
+fn check_slopes(joint: &JointSpec, index: usize, findings: &mut Findings) {
+    let Drive {
+        motor_friction,
+        joint_friction,
+        gear_ratio,
+        ..
+    } = &joint.drive;
+    for (field, friction, ratio) in [
+        ("motor_friction", motor_friction, gear_ratio.abs()),
+        ("joint_friction", joint_friction, 1.0),
+    ] {
+        let (viscous, quadratic) = (friction.viscous, friction.quadratic);
+        if quadratic >= 0.0 {
+            continue;
+        }
+        let path = format!("joints[{index}].drive.{field}.quadratic");
+        let Some(limit) = joint.limits.velocity else {
+            let message = format!("{quadratic:?} must not be negative for a joint without a speed limit");
+            findings.error(path, message);
+            continue;
+        };
+        let least = -viscous / (2.0 * ratio * limit);
+        if quadratic < least * (1.0 + SLOPE_ROUNDING) {
+            let message = format!(
+                "{quadratic:?} must be at least {least:?} (viscous {viscous:?} over twice the speed limit {limit:?}), or friction falls with speed"
+            );
+            findings.error(path, message);
+        }
+    }
 }
 
 fn lay_limits(joint: &mut JointSpec, entry: &Limits, index: usize, findings: &mut Findings) {

@@ -280,6 +280,43 @@ fn every_number_out_of_bounds_is_named_at_once() {
 }
 
 #[test]
+fn friction_may_grow_less_and_less_but_not_fall_within_the_speed_limit() {
+    let of = |velocity, quadratic, gear_ratio| {
+        let friction = Some(FrictionEntry {
+            viscous: Some(4.0),
+            quadratic: Some(quadratic),
+            ..FrictionEntry::default()
+        });
+        let limits = Limits {
+            velocity,
+            ..Limits::default()
+        };
+        let drive = DriveEntry {
+            gear_ratio: Some(gear_ratio),
+            motor_friction: friction,
+            joint_friction: friction,
+            ..DriveEntry::default()
+        };
+        let mut description = description();
+        description.joints = vec![entry("elbow", limits, drive)];
+        description
+    };
+    of(Some(2.0), -1.0, 1.0).resolve().unwrap();
+    let errors = refused(&of(Some(2.0), -1.001, 1.0));
+    assert_eq!(errors.len(), 2);
+    assert!(
+        errors[1].starts_with("joints[0].drive.joint_friction.quadratic: -1.001 must be at least -1.0"),
+        "{errors:?}"
+    );
+    let errors = refused(&of(Some(2.0), -0.5, -4.0));
+    assert_eq!(errors.len(), 1);
+    assert!(
+        errors[0].starts_with("joints[0].drive.motor_friction.quadratic: -0.5 must be at least -0.25"),
+        "{errors:?}"
+    );
+}
+
+#[test]
 fn entries_are_checked_beside_a_broken_urdf() {
     let mut description = description();
     description.kinematics = Kinematics::Urdf {

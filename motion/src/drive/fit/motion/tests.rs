@@ -179,6 +179,35 @@ fn friction_of_a_known_body_comes_back_within_its_deviations() {
     assert!(fit.warnings.is_empty(), "{:?}", fit.warnings);
 }
 
+/// Gears under oil: c·v + d·v·|v| with d below 0, and level at the speed limit where the truth falls before it.
+#[test]
+fn friction_that_grows_less_and_less_comes_back_and_never_falls_within_the_speed_limit() {
+    for (limit, falls) in [(2.0, false), (4.0, true)] {
+        let mut truth = arm();
+        for joint in &mut truth.joints {
+            joint.drive.joint_friction.quadratic = -0.15;
+        }
+        let robot = described(|spec| {
+            for joint in &mut spec.joints {
+                joint.limits.velocity = Some(limit);
+            }
+        });
+        let recording = recording(&truth, None, 0.02, 20.0, &mut 7);
+        let fit = fitted(&robot, &recording, &options(Scope::Friction, false));
+        for joint in &fit.spec.joints {
+            let friction = joint.drive.joint_friction;
+            let slope = friction.viscous + 2.0 * friction.quadratic * limit;
+            assert!(slope >= -1e-12 && (slope < 1e-12 || !falls), "{friction:?}");
+        }
+        for (estimate, truth) in fit.estimates.iter().zip(truth_of(&fit, &truth)) {
+            let off = (estimate.value - truth).abs();
+            assert!(falls || off < 4.0 * estimate.deviation, "{estimate:?} {truth}");
+        }
+        let is_told = fit.warnings.iter().any(|warning| warning.contains("held level"));
+        assert!(is_told || !falls, "{:?}", fit.warnings);
+    }
+}
+
 #[test]
 fn a_payload_that_nobody_described_comes_back() {
     let mut truth = arm();
