@@ -255,46 +255,67 @@ impl<'a> Fit<'a> {
 
     /// Ridge, solution and weights, twice: the first weights know nothing of what the joints say of one another.
     fn settle(&mut self, prior: &Prior) -> Result<Option<Found>, Stopped> {
+        let Some(ridges) = self.ridges(prior, &prior.values)? else {
+            return Ok(None);
+        };
+        let mut first = None;
+        for ridge in ridges {
+            first = self.problem(prior).solve(ridge, &prior.values)?;
+            if first.is_some() {
+                break;
+            }
+        }
+        let Some(first) = first else { return Ok(None) };
         let (from, to) = self.signals.selected;
-        let mut start = prior.values.clone();
-        for is_last in [false, true] {
-            let Some(first) = self.problem(prior).solve(RIDGE_START, &start)? else {
-                return Ok(None);
-            };
-            let ridge = if prior.bodies.is_empty() {
-                Some(0.0)
-            } else {
-                self.problem(prior).choose_ridge(&first.values, self.trusts_bodies())?
-            };
-            let Some(ridge) = ridge else { return Ok(None) };
-            let Some(mut solution) = self.problem(prior).solve(ridge, &first.values)? else {
-                return Ok(None);
-            };
-            if !self.trusts_bodies()
-                && let Some(beforehand) = prior.second_derivatives(RIDGES[0], &solution.values)
-            {
-                // the body that it is drawn to came from the same torques: it adds no certainty
-                let (data, _) = self.normal.sum(&self.weights, None);
-                solution.hessian = data.iter().zip(&beforehand).map(|(a, b)| a + b).collect();
+        let residuals: Vec<Vec<f64>> = self
+            .design
+            .rows
+            .iter()
+            .map(|rows| rows.residual_of(&first.values, from, to))
+            .collect();
+        self.weigh(&residuals)?;
+        let Some(ridges) = self.ridges(prior, &first.values)? else {
+            return Ok(None);
+        };
+        for ridge in ridges {
+            let found = self.find(prior, ridge, &first.values)?;
+            if found.is_some() {
+                return Ok(found);
             }
-            if is_last {
-                let validated = self.problem(prior).validate(ridge, &solution.values, true)?;
-                return Ok(validated.map(|validated| Found {
-                    ridge,
-                    solution,
-                    validated,
-                }));
-            }
-            let residuals: Vec<Vec<f64>> = self
-                .design
-                .rows
-                .iter()
-                .map(|rows| rows.residual_of(&solution.values, from, to))
-                .collect();
-            self.weigh(&residuals)?;
-            start = solution.values;
         }
         Ok(None)
+    }
+
+    /// The ridge of the cross-validation, and the stronger ones: where the weakest leave a body too near to none for its equations to be solved with some stretch
+    /// left out, the next one does.
+    fn ridges(&self, prior: &Prior, start: &[f64]) -> Result<Option<Vec<f64>>, Stopped> {
+        if prior.bodies.is_empty() {
+            return Ok(Some(vec![0.0]));
+        }
+        let Some(middle) = self.problem(prior).solve(RIDGE_START, start)? else {
+            return Ok(None);
+        };
+        let chosen = self.problem(prior).choose_ridge(&middle.values, self.trusts_bodies())?;
+        Ok(chosen.map(|chosen| RIDGES.into_iter().filter(|ridge| *ridge >= chosen).collect()))
+    }
+
+    fn find(&self, prior: &Prior, ridge: f64, start: &[f64]) -> Result<Option<Found>, Stopped> {
+        let Some(mut solution) = self.problem(prior).solve(ridge, start)? else {
+            return Ok(None);
+        };
+        if !self.trusts_bodies()
+            && let Some(beforehand) = prior.second_derivatives(RIDGES[0], &solution.values)
+        {
+            // the body that it is drawn to came from the same torques: it adds no certainty
+            let (data, _) = self.normal.sum(&self.weights, None);
+            solution.hessian = data.iter().zip(&beforehand).map(|(a, b)| a + b).collect();
+        }
+        let validated = self.problem(prior).validate(ridge, &solution.values, true)?;
+        Ok(validated.map(|validated| Found {
+            ridge,
+            solution,
+            validated,
+        }))
     }
 
     fn report(&self, prior: &Prior, found: &Found) -> Result<MotionFit, Stopped> {

@@ -4,13 +4,14 @@
 //! ```text
 //! e(k) = τ(k) − τ_model(k)            foretold h samples ahead:   e(k) in c ± w
 //! c = φ·b(k)·e(k−h)/b(k−h)            φ = Σ λ·x(i)·x(i−h) / Σ λ·x(i−h)²,  x = e/b
-//! w = b(k)·T·√(S/N)·exp θ             S/N: mean of (r/b)², forgotten alike, r = e − c
+//! w = b(k)·T·√(max S/N)·exp θ         S/N: means of (r/b)², r = e − c, one forgotten alike and one sooner
 //! θ ← θ + γ·([|r| > w] − α)
 //! ```
 //!
 //! b(k) is the deviation of the model's own interval at the sample, so what the model says of where it is uncertain stays. Two things of a
 //! residual last from one moment to the next, and no fit knows them beforehand: where it lies (a body that is not right errs
-//! to one side for as long as the pose lasts) and how large it is. c and S follow them. S/N comes from few independent errors, so it has a Student's T.
+//! to one side for as long as the pose lasts) and how large it is. c and S follow them. That a residual has grown is believed sooner than that it has
+//! become small: of the two means the larger counts. They come from few independent errors, so they have a Student's T.
 //! θ takes in what Student's distribution does not say: it is adaptive conformal inference (I. Gibbs, E. Candès, "Adaptive conformal inference
 //! under distribution shift", 2021; on a scale as in A. Angelopoulos et al., "Conformal PID control for time series prediction",
 //! 2023). Over n samples the part outside differs from α by at most the way of θ over γ·n and h/n,
@@ -19,13 +20,13 @@
 //! At a sample all is from residuals that are h samples old. Before the first, the interval is the model's. While a joint is at rest friction may
 //! be anything between its two directions: the interval has the allowance for that, and nothing is learnt.
 //!
-//! The state is 2·h samples and five numbers, whatever was seen.
+//! The state is 2·h samples and seven numbers, whatever was seen.
 
 use std::collections::VecDeque;
 
 use crate::quantile;
 use crate::robot::spec::Residual;
-use crate::tolerance::{ONLINE_GAIN, ONLINE_HORIZON_BANDS, ONLINE_MEMORY, ONLINE_RATIO_MAX};
+use crate::tolerance::{ONLINE_GAIN, ONLINE_HORIZON_BANDS, ONLINE_MEMORY, ONLINE_RATIO_MAX, ONLINE_SOON};
 
 /// Samples by which an interval is foretold, at least one.
 pub(crate) fn horizon_samples(band: f64, period: f64) -> usize {
@@ -56,6 +57,36 @@ struct Seen {
     missed: bool,
 }
 
+/// Mean of squares that is forgotten.
+#[derive(Debug, Clone, Copy)]
+struct Mean {
+    /// What a sample keeps of its weight for the next.
+    keep: f64,
+    squares: f64,
+    weight: f64,
+}
+
+impl Mean {
+    /// Over so many samples, as if they had all been of one square.
+    fn over(samples: f64, square: f64) -> Self {
+        let samples = samples.max(1.0);
+        Self {
+            keep: libm::exp(-1.0 / samples),
+            squares: square * samples,
+            weight: samples,
+        }
+    }
+
+    fn add(&mut self, value: f64) {
+        self.squares = self.keep * self.squares + value * value;
+        self.weight = self.keep * self.weight + 1.0;
+    }
+
+    fn value(&self) -> f64 {
+        self.squares / self.weight
+    }
+}
+
 /// One joint's interval on its way along the samples.
 #[derive(Debug, Clone)]
 pub(crate) struct OnlineInterval {
@@ -74,8 +105,7 @@ pub(crate) struct OnlineInterval {
     seen: VecDeque<Seen>,
     along: f64,
     before: f64,
-    squares: f64,
-    weight: f64,
+    left: [Mean; 2],
     theta: f64,
 }
 
@@ -98,8 +128,7 @@ impl OnlineInterval {
             seen: VecDeque::with_capacity(2 * horizon),
             along: correlation * memory,
             before: memory,
-            squares: (1.0 - correlation * correlation) * memory,
-            weight: memory,
+            left: [1.0, ONLINE_SOON].map(|part| Mean::over(part * memory, 1.0 - correlation * correlation)),
             theta: 0.0,
         }
     }
@@ -134,7 +163,7 @@ impl OnlineInterval {
             self.learn(error, newest);
         }
         let share = (self.along / self.before).clamp(0.0, 1.0);
-        let spread = (self.squares / self.weight).sqrt() * libm::exp(self.theta);
+        let spread = self.left[0].value().max(self.left[1].value()).sqrt() * libm::exp(self.theta);
         Foretold {
             centre: share * newest.error.unwrap_or(0.0) * deviation,
             half_width: self.unit * spread * deviation + allowance,
@@ -147,8 +176,9 @@ impl OnlineInterval {
             self.along = self.keep * self.along + error * earlier;
             self.before = self.keep * self.before + earlier * earlier;
         }
-        self.squares = self.keep * self.squares + newest.left * newest.left;
-        self.weight = self.keep * self.weight + 1.0;
+        for mean in &mut self.left {
+            mean.add(newest.left);
+        }
         let missed = f64::from(u8::from(newest.missed));
         let most = libm::log(ONLINE_RATIO_MAX);
         self.theta = (self.theta + self.gain * (missed - self.tail)).clamp(-most, most);

@@ -142,7 +142,7 @@ fn run_of(time: &[f64], selection: &Selection) -> Result<Range<usize>, Failure> 
                 selection.band
             );
             return Err(Failure::Invalid(vec![Invalid::new(
-                &format!("time[{}]", i + 1),
+                format!("time[{}]", i + 1),
                 message,
             )]));
         }
@@ -257,7 +257,7 @@ mod tests {
             };
             Signals::new(&arm, recording, &selection, &Budget::unlimited()).unwrap()
         };
-        let mut first = sound.clone();
+        let mut first = sound;
         first.time.truncate(500);
         let (before, alone) = (of(&gap, 0.0, 1.9), of(&first, 0.0, 1.9));
         assert_eq!(before.q, alone.q);

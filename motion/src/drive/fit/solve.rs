@@ -19,7 +19,9 @@ use super::unknowns::Unknowns;
 use crate::budget::{Budget, Stopped};
 use crate::dynamics::regressor::BODY;
 use crate::robot::spec::ParameterKind;
-use crate::tolerance::{FIT_BACKTRACKS, FIT_DECREASE, FIT_NEWTON_DONE, FIT_NEWTON_ROUNDS, SLOPE_ROUNDING};
+use crate::tolerance::{
+    FIT_BACKTRACKS, FIT_DECREASE, FIT_NEWTON_DONE, FIT_NEWTON_ROUNDS, FIT_RIDGE_PATH, SLOPE_ROUNDING,
+};
 
 /// What is known of the unknowns before the motion.
 #[derive(Debug, Clone)]
@@ -179,20 +181,55 @@ fn slopes(unknowns: &Unknowns) -> Vec<Slope> {
         .collect()
 }
 
+/// Where Newton's method came to rest, or did not.
+enum Ended {
+    Least(Vec<f64>),
+    /// After so many rounds that the start was too far away.
+    Far,
+    Unsolvable,
+}
+
 /// Solves from a start that keeps every bound. `None`: the second derivatives are not positive definite, so something is told neither by the
 /// motion nor beforehand.
+///
+/// A body that must grow tenfold against a weak ridge is far for Newton's method: each step would leave what bodies can be, and is cut short. Then the solution is
+/// followed from the description on along ridges that give way.
 pub(crate) fn solve(
+    prior: &Prior,
+    equations: &(Vec<f64>, Vec<f64>),
+    ridge: f64,
+    start: &[f64],
+    budget: &Budget<'_>,
+) -> Result<Option<Solution>, Stopped> {
+    let mut ended = newton(prior, equations, ridge, start, budget)?;
+    if let Ended::Far = ended {
+        let mut at = prior.values.clone();
+        for factor in FIT_RIDGE_PATH {
+            ended = newton(prior, equations, ridge * factor, &at, budget)?;
+            let Ended::Least(values) = &ended else { break };
+            at.clone_from(values);
+        }
+    }
+    let Ended::Least(values) = ended else { return Ok(None) };
+    let of_prior = prior.second_derivatives(ridge, &values);
+    Ok(of_prior.map(|of_prior| Solution {
+        hessian: of_prior.iter().zip(&equations.0).map(|(a, b)| a + b).collect(),
+        values,
+    }))
+}
+
+fn newton(
     prior: &Prior,
     (matrix, product): &(Vec<f64>, Vec<f64>),
     ridge: f64,
     start: &[f64],
     budget: &Budget<'_>,
-) -> Result<Option<Solution>, Stopped> {
+) -> Result<Ended, Stopped> {
     let n = start.len();
     let mut p = start.to_vec();
     let mut bounded = prior.bounded(&p);
     let Some(mut least) = prior.objective(matrix, product, ridge, &p) else {
-        return Ok(None);
+        return Ok(Ended::Unsolvable);
     };
     let scale = least.abs() + 1.0;
     for _ in 0..FIT_NEWTON_ROUNDS {
@@ -200,7 +237,7 @@ pub(crate) fn solve(
             .gradient(matrix, product, ridge, &p)
             .zip(prior.second_derivatives(ridge, &p))
         else {
-            return Ok(None);
+            return Ok(Ended::Unsolvable);
         };
         let mut hessian: Vec<f64> = hessian.iter().zip(matrix).map(|(a, b)| a + b).collect();
         prior.by_bounded(&mut gradient);
@@ -209,7 +246,7 @@ pub(crate) fn solve(
             .map(|k| prior.magnitudes[k] && bounded[k] <= 0.0 && gradient[k] > 0.0)
             .collect();
         let Some(step) = newton_step(&hessian, &gradient, &held, budget)? else {
-            return Ok(None);
+            return Ok(Ended::Unsolvable);
         };
         let decrease = -dot(&gradient, &step);
         let mut done = decrease <= FIT_NEWTON_DONE * scale;
@@ -237,14 +274,10 @@ pub(crate) fn solve(
             done = tried == FIT_BACKTRACKS;
         }
         if done {
-            let Some(of_prior) = prior.second_derivatives(ridge, &p) else {
-                return Ok(None);
-            };
-            let hessian = of_prior.iter().zip(matrix).map(|(a, b)| a + b).collect();
-            return Ok(Some(Solution { values: p, hessian }));
+            return Ok(Ended::Least(p));
         }
     }
-    Ok(None)
+    Ok(Ended::Far)
 }
 
 /// −H⁻¹·g over what is free.

@@ -100,7 +100,7 @@ fn narrowest(errors: &[f64]) -> f64 {
 }
 
 /// Half a minute, 12 seeds of each kind, the residual from half to twice as large as the model says: 93 to 98 % are within, at no more than 1.6
-/// times the narrowest constant width.
+/// times the narrowest constant width; 1.75 times where the size wanders, since that it has grown is believed sooner than that it has shrunk.
 #[test]
 fn every_run_is_covered_as_stated_whatever_the_residual_is_like() {
     for kind in KINDS {
@@ -113,7 +113,8 @@ fn every_run_is_covered_as_stated_whatever_the_residual_is_like() {
             let (within, half_width) = run(&errors);
             assert!((0.93..=0.98).contains(&within), "{kind:?} {seed}: {within}");
             let over = half_width / narrowest(&errors);
-            assert!(over < 1.6, "{kind:?} {seed}: {over}");
+            let most = if kind == Kind::Heavy { 1.75 } else { 1.6 };
+            assert!(over < most, "{kind:?} {seed}: {over}");
         }
     }
 }
@@ -199,8 +200,8 @@ fn at_rest_the_allowance_is_added_and_nothing_is_learnt() {
         assert!(foretold.half_width > 5.0 && foretold.centre == 0.0);
     }
     assert_eq!(
-        (before.squares, before.along, before.theta),
-        (online.squares, online.along, online.theta)
+        (before.left.map(|mean| mean.value()), before.along, before.theta),
+        (online.left.map(|mean| mean.value()), online.along, online.theta)
     );
 }
 
