@@ -2,7 +2,10 @@
 //!
 //! ```text
 //! cargo bench --package takt-motion --bench estimator
+//! cargo bench --package takt-motion --bench estimator -- --only kalman/4_terms
 //! ```
+//!
+//! `--only`: those whose names have it in them, so that the instructions of one can be counted.
 //!
 //! A UR5e at 1 kHz in blocks of 25 samples, all joints moving all the time. `torque_sensor` needs no dynamics on the
 //! motor's side, so that it is the estimator alone: filters, least squares or Kalman filter, evidence; `dynamics` is the same
@@ -105,6 +108,10 @@ fn block(from: usize, sensor: bool) -> Telemetry {
 }
 
 fn measure(name: &str, robot: &Robot, options: EstimatorOptions) {
+    let only = std::env::args().skip_while(|argument| argument != "--only").nth(1);
+    if only.is_some_and(|part| !name.contains(&part)) {
+        return;
+    }
     let sensor = options.side == FrictionSide::Motor;
     let mut estimator = FrictionEstimator::new(robot.clone(), options).expect("the options are sound");
     let mut times = Vec::with_capacity(BATCHES);

@@ -141,7 +141,7 @@ impl FrictionEstimator {
             .collect::<Result<Vec<_>, _>>()
             .map_err(|finding| vec![finding])?;
         Ok(Self {
-            rules: Rules::new(&options),
+            rules: Rules::new(&options, &models),
             scratch: Scratch::new(count),
             robot,
             options,
@@ -210,7 +210,7 @@ impl FrictionEstimator {
 }
 
 impl Rules {
-    fn new(options: &EstimatorOptions) -> Self {
+    fn new(options: &EstimatorOptions, models: &[JointModel]) -> Self {
         let lag = options.bandwidth.map_or(0.0, filter::delay);
         let memory = ESTIMATE_FILTER_MEMORY * lag / 3.0;
         let observing = match options.method {
@@ -220,6 +220,7 @@ impl Rules {
         Self {
             method: options.method,
             law: options.law,
+            loads: options.law.load || models.iter().any(|model| model.held.load_coulomb != 0.0),
             dead_band: options.dead_band,
             outlier_threshold: options.outlier_threshold,
             memory,

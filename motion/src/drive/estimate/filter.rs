@@ -17,8 +17,8 @@ use std::f64::consts::TAU;
 /// How a filter goes over one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct FilterStep {
-    /// exp(A·Δ).
-    matrix: [[f64; 3]; 3],
+    /// exp(A·Δ), by columns.
+    columns: [[f64; 3]; 3],
     /// 1/Δ and 3/a.
     rate: f64,
     lag: f64,
@@ -48,15 +48,15 @@ impl FilterStep {
             [-a * a * a, -2.0 * a * a, -a],
             [a * a * a * a, 2.0 * a * a * a, a * a],
         ];
-        let mut matrix = [[0.0; 3]; 3];
+        let mut columns = [[0.0; 3]; 3];
         for row in 0..3 {
             for column in 0..3 {
                 let unit = if row == column { 1.0 } else { 0.0 };
-                matrix[row][column] = kept * (unit + n[row][column] * t + 0.5 * square[row][column] * t * t);
+                columns[column][row] = kept * (unit + n[row][column] * t + 0.5 * square[row][column] * t * t);
             }
         }
         Self {
-            matrix,
+            columns,
             rate: 1.0 / seconds,
             lag: 3.0 / a,
         }
@@ -82,12 +82,11 @@ impl Filter {
             self.state[1] - slope,
             self.state[2],
         ];
-        let m = &step.matrix;
-        self.state = [
-            input - late + (m[0][0] * off[0] + m[0][1] * off[1] + m[0][2] * off[2]),
-            slope + (m[1][0] * off[0] + m[1][1] * off[1] + m[1][2] * off[2]),
-            m[2][0] * off[0] + m[2][1] * off[1] + m[2][2] * off[2],
-        ];
+        let [m0, m1, m2] = &step.columns;
+        let line = [input - late, slope, 0.0];
+        for row in 0..3 {
+            self.state[row] = line[row] + (m0[row] * off[0] + m1[row] * off[1] + m2[row] * off[2]);
+        }
         self.input = input;
     }
 }
@@ -112,7 +111,7 @@ mod tests {
             let step = FilterStep::new(bandwidth, seconds);
             for row in 0..3 {
                 for column in 0..3 {
-                    let (actual, expected): (f64, f64) = (step.matrix[row][column], sum[(row, column)]);
+                    let (actual, expected): (f64, f64) = (step.columns[column][row], sum[(row, column)]);
                     let scale = libm::pow(a, row as f64 - column as f64);
                     assert!((actual - expected).abs() < 1e-12 * scale, "{row} {column}");
                 }

@@ -82,6 +82,8 @@ pub(super) struct Step {
 pub(super) struct Rules {
     pub(super) method: EstimatorMethod,
     pub(super) law: FrictionLaw,
+    /// Gravity torques are asked for: friction has a term in them, of the law or held.
+    pub(super) loads: bool,
     pub(super) dead_band: f64,
     pub(super) outlier_threshold: Option<f64>,
     /// Seconds for which filters remember a start.
@@ -229,25 +231,36 @@ impl JointState {
     #[inline(always)]
     pub(super) fn estimate(&mut self, model: &JointModel, rules: &Rules, step: &Step, sample: &Sample) {
         let psi = rules.law.regressors(sample.velocity, sample.gravity);
-        if let Some(lag) = &step.lag {
-            self.observer
-                .update(lag, model.armature, sample.torque, sample.rotor_velocity);
-            for ((lagged, last), &psi) in self.lagged.iter_mut().zip(&mut self.regressors).zip(&psi) {
-                *lagged = lag.follow(*lagged, *last, psi);
-                *last = psi;
-            }
-            if sample.telling {
-                let (torque, psi) = (self.observer.friction, self.lagged);
-                self.use_sample(rules, step, sample, torque, &psi);
-            }
-            return;
-        }
+        let (torque, psi) = match &step.lag {
+            Some(lag) => self.observe(lag, model, sample, psi),
+            None => (sample.torque - model.armature_used * sample.rotor_acceleration, psi),
+        };
         if sample.telling {
-            let torque = sample.torque - model.armature_used * sample.rotor_acceleration;
             self.use_sample(rules, step, sample, torque, &psi);
         }
     }
 
+    /// The friction behind the observer's lag, and the regressors behind the same.
+    #[inline(always)]
+    fn observe(
+        &mut self,
+        lag: &LagStep,
+        model: &JointModel,
+        sample: &Sample,
+        psi: [f64; TERMS_MAX],
+    ) -> (f64, [f64; TERMS_MAX]) {
+        self.observer
+            .update(lag, model.armature, sample.torque, sample.rotor_velocity);
+        let mut lagged = self.lagged;
+        for ((lagged, last), psi) in lagged.iter_mut().zip(self.regressors).zip(psi) {
+            *lagged = lag.follow(*lagged, last, psi);
+        }
+        (self.lagged, self.regressors) = (lagged, psi);
+        (self.observer.friction, lagged)
+    }
+
+    /// Takes in a torque and its regressors. Inlined to the last sum, so that they stay in registers: a row that is stored one
+    /// number at a time and loaded two at a time right after makes the processor wait.
     #[inline(always)]
     fn use_sample(&mut self, rules: &Rules, step: &Step, sample: &Sample, torque: f64, psi: &[f64; TERMS_MAX]) {
         if torque.is_nan() || torque.abs() > TELEMETRY_TORQUE_MAX {

@@ -3,7 +3,7 @@
 //! ```text
 //! f(t + Δ) = f(t) + N(0, W·Δ)            y = ψ·f + N(0, R)
 //! P ← P + W·Δ ;  S = ψ·P·ψᵀ + R ;  K = P·ψᵀ/S ;  f ← f + K·(y − ψ·f)
-//! P ← (I − K·ψ)·P·(I − K·ψ)ᵀ + K·R·Kᵀ
+//! P ← (I − K·ψ)·P·(I − K·ψ)ᵀ + K·R·Kᵀ = M + (K·R − M·ψᵀ)·Kᵀ        M = P − K·(P·ψᵀ)ᵀ
 //! ```
 //!
 //! R is the residual's variance over the weight of a sample, so that samples which are alike do not count as new ones. A sample whose
@@ -55,16 +55,19 @@ impl Kalman {
     /// Lets time pass.
     #[inline(always)]
     pub(super) fn wander(&mut self, seconds: f64) {
-        for index in 0..self.count {
-            let variance = &mut self.covariance[lower(index, index)];
-            if *variance < self.caps[index] {
-                *variance = (*variance + self.drift[index] * seconds).min(self.caps[index]);
-            }
+        for index in 0..TERMS_MAX {
+            let (variance, cap) = (&mut self.covariance[lower(index, index)], self.caps[index]);
+            // stored in any case, which is faster than to ask whether
+            *variance = if *variance < cap {
+                (*variance + self.drift[index] * seconds).min(cap)
+            } else {
+                *variance
+            };
         }
     }
 
     /// Takes in a sample.
-    #[inline]
+    #[inline(always)]
     pub(super) fn update(&mut self, sample: &Measurement<'_>) -> Taken {
         match self.count {
             2 => self.step::<2>(sample),
@@ -88,16 +91,23 @@ impl Kalman {
             gate,
         } = sample;
         let noise = variance / weight;
+        // P with both of its triangles, by columns: nothing is shuffled where a column goes at once
+        let mut matrix = [[0.0; N]; N];
+        for column in 0..N {
+            for row in 0..N {
+                matrix[column][row] = self.covariance[lower(row, column)];
+            }
+        }
         let mut product = [0.0; N];
+        for column in 0..N {
+            for row in 0..N {
+                product[row] += matrix[column][row] * psi[column];
+            }
+        }
         let (mut spread, mut predicted) = (0.0, 0.0);
         for row in 0..N {
             predicted += psi[row] * self.coefficients[row];
-            let mut sum = 0.0;
-            for column in 0..N {
-                sum += self.covariance[lower(row, column)] * psi[column];
-            }
-            product[row] = sum;
-            spread += psi[row] * sum;
+            spread += psi[row] * product[row];
         }
         let innovation = torque - predicted;
         let square = innovation * innovation;
@@ -116,19 +126,22 @@ impl Kalman {
             gain[row] = product[row] * inverse;
             self.coefficients[row] += gain[row] * innovation;
         }
-        // (I − K·ψ)·P, and what it makes of ψ
-        let mut left = [[0.0; N]; N];
-        let mut across = [0.0; N];
-        for row in 0..N {
-            for column in 0..N {
-                left[row][column] = self.covariance[lower(row, column)] - gain[row] * product[column];
-                across[row] += left[row][column] * psi[column];
+        // M, and K·R − M·ψᵀ
+        let mut excess = gain.map(|gain| gain * noise);
+        for column in 0..N {
+            for row in 0..N {
+                matrix[column][row] -= gain[row] * product[column];
+                excess[row] -= matrix[column][row] * psi[column];
+            }
+        }
+        for column in 0..N {
+            for row in 0..N {
+                matrix[column][row] += excess[row] * gain[column];
             }
         }
         for row in 0..N {
             for column in 0..=row {
-                self.covariance[lower(row, column)] =
-                    left[row][column] - across[row] * gain[column] + gain[row] * noise * gain[column];
+                self.covariance[lower(row, column)] = matrix[column][row];
             }
         }
         Taken::Used(residual)

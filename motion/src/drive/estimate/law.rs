@@ -70,27 +70,25 @@ impl FrictionLaw {
     }
 
     /// What each coefficient is multiplied by at a speed ≠ 0 and a gravity torque.
-    #[inline]
+    #[inline(always)]
     pub(super) fn regressors(self, velocity: f64, gravity: f64) -> [f64; TERMS_MAX] {
-        let mut psi = [0.0; TERMS_MAX];
-        let sign = if velocity < 0.0 { -1.0 } else { 1.0 };
-        let mut next = 1;
-        if self.by_direction {
-            psi[usize::from(velocity < 0.0)] = sign;
-            next = 2;
+        let (sign, positive, negative) = if velocity < 0.0 {
+            (-1.0, 0.0, -1.0)
         } else {
-            psi[0] = sign;
+            (1.0, 1.0, 0.0)
+        };
+        let (load, square) = (gravity.abs() * sign, velocity * velocity.abs());
+        // whole rows: a place that depends on the law would send every sample through memory
+        match (self.by_direction, self.load, self.quadratic) {
+            (false, false, false) => [sign, velocity, 0.0, 0.0, 0.0],
+            (false, false, true) => [sign, velocity, square, 0.0, 0.0],
+            (false, true, false) => [sign, velocity, load, 0.0, 0.0],
+            (false, true, true) => [sign, velocity, load, square, 0.0],
+            (true, false, false) => [positive, negative, velocity, 0.0, 0.0],
+            (true, false, true) => [positive, negative, velocity, square, 0.0],
+            (true, true, false) => [positive, negative, velocity, load, 0.0],
+            (true, true, true) => [positive, negative, velocity, load, square],
         }
-        psi[next] = velocity;
-        if self.load {
-            next += 1;
-            psi[next] = gravity.abs() * sign;
-        }
-        if self.quadratic {
-            next += 1;
-            psi[next] = velocity * velocity.abs();
-        }
-        psi
     }
 
     /// How large each regressor can be on a joint: what makes coefficients of different units comparable.

@@ -124,7 +124,7 @@ impl LeastSquares {
     }
 
     /// Takes in one sample. A row that is not finite changes nothing: `None`.
-    #[inline]
+    #[inline(always)]
     pub(super) fn update(&mut self, row: &Row<'_>) -> Option<Fitted> {
         match self.count {
             2 => self.step::<2>(row),

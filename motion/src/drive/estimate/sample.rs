@@ -86,10 +86,16 @@ impl FrictionEstimator {
                 PositionSource::Output => at(&block.output_position, joint),
                 PositionSource::Motor => motor,
             };
-            let (velocity, acceleration) = (at(&block.output_velocity, joint), at(&block.output_acceleration, joint));
             check(position, POSITION_MAX)?;
-            check(velocity, TELEMETRY_VELOCITY_MAX)?;
-            check(acceleration, TELEMETRY_ACCELERATION_MAX)?;
+            let (mut velocity, mut acceleration) = (0.0, 0.0);
+            if given.velocity {
+                velocity = at(&block.output_velocity, joint);
+                check(velocity, TELEMETRY_VELOCITY_MAX)?;
+            }
+            if given.acceleration {
+                acceleration = at(&block.output_acceleration, joint);
+                check(acceleration, TELEMETRY_ACCELERATION_MAX)?;
+            }
             if given.motor {
                 check(motor, POSITION_MAX)?;
             }
@@ -145,8 +151,7 @@ impl FrictionEstimator {
 
     /// Torque of the rigid body in the filtered motion, and gravity's part of it, where they are asked for.
     fn weigh(&mut self, combination: &Combination) {
-        let holds_load = self.models.iter().any(|model| model.held.load_coulomb != 0.0);
-        if !(combination.needs_rigid_torque() || self.rules.law.load || holds_load) {
+        if !(combination.needs_rigid_torque() || self.rules.loads) {
             return;
         }
         let scratch = &mut self.scratch;

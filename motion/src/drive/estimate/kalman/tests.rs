@@ -35,6 +35,21 @@ fn without_drift_it_is_least_squares() {
     for (count, law) in [
         (2, FrictionLaw::default()),
         (
+            3,
+            FrictionLaw {
+                load: true,
+                ..FrictionLaw::default()
+            },
+        ),
+        (
+            4,
+            FrictionLaw {
+                by_direction: true,
+                load: false,
+                quadratic: true,
+            },
+        ),
+        (
             5,
             FrictionLaw {
                 by_direction: true,
