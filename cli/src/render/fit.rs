@@ -131,6 +131,7 @@ fn estimates(fit: &v1::MotionFit, robot: &v1::Robot) -> Table {
     for one in &fit.estimates {
         let (of, what, unit) = named(one.parameter.as_ref(), robot);
         let told = match one.told {
+            _ if one.held && one.value < 0.0 => Cell::new("held level", Tone::Dim),
             _ if one.held => Cell::new("held at 0", Tone::Dim),
             told if told < HARDLY_TOLD => Cell::new(format!("{:.0} %", 100.0 * told), Tone::Bad),
             told => Cell::from(format!("{:.0} %", 100.0 * told)),

@@ -76,3 +76,6 @@ pub(crate) const ESTIMATE_LOAD_SPREAD_MIN: f64 = 0.1;
 
 /// A coefficient is told by the samples where its standard error is below this part of what it was beforehand.
 pub(crate) const ESTIMATE_TOLD_PART: f64 = 0.5;
+
+/// Variance of a sum of coefficients, over the sum of its terms' own, that counts as none: what rounding leaves of a sum that was set to a bound.
+pub(crate) const SETTLED_VARIANCE: f64 = 1.0e-12;

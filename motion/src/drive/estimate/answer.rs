@@ -60,6 +60,8 @@ impl FrictionEstimator {
             missing: self.missing(index, joint, &coefficients),
             coefficients,
             covariance: covariance[..count * (count + 1) / 2].to_vec(),
+            held_quadratic: self.models[index].held.quadratic,
+            speed_limit: self.models[index].speed_limit,
             degrees_of_freedom,
             residual_rms: libm::sqrt(spread.second),
             residual_deviation: libm::sqrt(spread.robust),

@@ -3,8 +3,9 @@
 //! The estimate replaces the terms of its law. Every other term was held at the model's value while it was made (`model`), so
 //! that both together are what was measured: it stays.
 //!
-//! Friction takes power at every speed: no coefficient is below 0. Where an estimate has one that is, it is set to 0 and the others
-//! move to where they are likeliest then (the mean of their normal distribution given that one: f − Σ·e·fᵢ/Σᵢᵢ).
+//! Friction takes power at every speed, and does not fall with speed within the speed limit v̂: no coefficient is below 0 but the quadratic one d, and
+//! that not below −c/(2·v̂), so that the slope c + 2·d·v̂ is not below 0. Where an estimate breaks such a bound a·f + b ≥ 0 it is set on it, and the others
+//! move to where they are likeliest then (the mean of their normal distribution given that: f − Σ·a·(a·f + b)/(a·Σ·a)).
 
 use super::factor::lower;
 use super::law::{FrictionLaw, at_the_joint};
@@ -12,6 +13,7 @@ use super::model::known;
 use super::options::FrictionSide;
 use super::report::{CommittedFriction, JointEstimate};
 use crate::robot::spec::{Drive, Friction, Parameter, ParameterKind, Residual};
+use crate::tolerance::SETTLED_VARIANCE;
 
 use super::law::Term;
 
@@ -22,21 +24,20 @@ impl JointEstimate {
         let mut values: Vec<f64> = self.coefficients.iter().map(|coefficient| coefficient.value).collect();
         let mut covariance = self.covariance.clone();
         let mut warnings = Vec::new();
-        // each round settles one coefficient for good
-        for _ in 0..values.len() {
-            let Some(worst) = self.worst(&values, &covariance) else {
+        let bounds = self.bounds();
+        // each round settles one bound for good
+        for _ in 0..bounds.len() {
+            let Some(broken) = worst(&bounds, &values, &covariance) else {
                 break;
             };
-            let (value, deviation) = (values[worst], self.coefficients[worst].deviation);
-            warnings.push(format!(
-                "the {} was estimated at {value:.4e} with a standard error of {deviation:.1e}: it is 0, and the other terms are fitted to that",
-                self.coefficients[worst].term.name()
-            ));
-            condition(&mut values, &mut covariance, worst);
+            warnings.push(broken.says.clone());
+            broken.condition(&mut values, &mut covariance);
         }
-        // a coefficient that was fitted to another's 0 can only be below 0 by rounding
-        for value in &mut values {
-            *value = value.max(0.0);
+        // what was fitted to another bound can only break its own by rounding
+        for bound in &bounds {
+            if let [(index, a)] = bound.terms[..] {
+                values[index] = values[index].max(-bound.constant / a);
+            }
         }
         CommittedFriction {
             friction: self.law.friction(&values),
@@ -57,11 +58,15 @@ impl JointEstimate {
     pub fn commit(&self, drive: &mut Drive) -> Vec<String> {
         let CommittedFriction { friction, mut warnings } = self.friction();
         // stated where they stand, so that what stays stays to the last digit
-        let keep = |friction: Friction, before: &Friction| {
+        let keep = |friction: Friction, before: &Friction, gear_ratio: f64| {
             let rest = self.law.rest(before);
+            let least = self
+                .speed_limit
+                .map_or(0.0, |limit| -friction.viscous / (2.0 * limit * gear_ratio.abs()));
             Friction {
                 load_coulomb: friction.load_coulomb + rest.load_coulomb,
-                quadratic: friction.quadratic + rest.quadratic,
+                // level at the speed limit may be an ulp below it
+                quadratic: (friction.quadratic + rest.quadratic).max(least),
                 presliding_stiffness: before.presliding_stiffness,
                 ..friction
             }
@@ -82,12 +87,12 @@ impl JointEstimate {
                     );
                 }
                 drive.motor_friction = Friction::default();
-                drive.joint_friction = keep(friction, &before);
+                drive.joint_friction = keep(friction, &before, 1.0);
             }
-            FrictionSide::Joint => drive.joint_friction = keep(friction, &drive.joint_friction),
+            FrictionSide::Joint => drive.joint_friction = keep(friction, &drive.joint_friction, 1.0),
             FrictionSide::Motor => {
                 let motor = at_the_joint(&friction, 1.0 / drive.gear_ratio);
-                drive.motor_friction = keep(motor, &drive.motor_friction);
+                drive.motor_friction = keep(motor, &drive.motor_friction, drive.gear_ratio);
             }
         }
         warnings
@@ -135,30 +140,109 @@ impl JointEstimate {
         (parameters, covariance)
     }
 
-    /// The coefficient that is furthest below 0, in its standard errors.
-    fn worst(&self, values: &[f64], covariance: &[f64]) -> Option<usize> {
-        let distance = |index: usize| values[index] / libm::sqrt(covariance[lower(index, index)]);
-        (0..values.len())
-            .filter(|&index| values[index] < 0.0 && covariance[lower(index, index)] > 0.0)
-            .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
+    fn bounds(&self) -> Vec<PhysicalBound> {
+        let place = |term| (0..self.coefficients.len()).find(|&index| self.coefficients[index].term == term);
+        let (viscous, quadratic) = (place(Term::Viscous), place(Term::Quadratic));
+        let slope = viscous
+            .zip(self.speed_limit)
+            .filter(|_| quadratic.is_some() || self.held_quadratic < 0.0);
+        let mut bounds = Vec::with_capacity(self.coefficients.len() + 1);
+        for (index, coefficient) in self.coefficients.iter().enumerate() {
+            if Some(index) == quadratic && slope.is_some() {
+                continue;
+            }
+            bounds.push(PhysicalBound {
+                terms: vec![(index, 1.0)],
+                constant: 0.0,
+                says: format!(
+                    "the {} was estimated at {:.4e} with a standard error of {:.1e}: it is 0, and the other terms are fitted to that",
+                    coefficient.term.name(),
+                    coefficient.value,
+                    coefficient.deviation
+                ),
+            });
+        }
+        if let Some((viscous, limit)) = slope {
+            let mut terms = vec![(viscous, 1.0)];
+            terms.extend(quadratic.map(|index| (index, 2.0 * limit)));
+            bounds.push(PhysicalBound {
+                terms,
+                constant: 2.0 * limit * self.held_quadratic,
+                says: format!(
+                    "the friction that was estimated falls with speed below the limit of {limit:?}: it is level there, and the other terms are \
+                     fitted to that"
+                ),
+            });
+        }
+        bounds
     }
 }
 
-/// Makes one coefficient 0, and known.
-fn condition(values: &mut [f64], covariance: &mut [f64], fixed: usize) {
-    let count = values.len();
-    let column: Vec<f64> = (0..count).map(|index| covariance[lower(index, fixed)]).collect();
-    let (value, variance) = (values[fixed], column[fixed]);
-    for row in 0..count {
-        values[row] -= column[row] * value / variance;
-        for other in 0..=row {
-            covariance[lower(row, other)] -= column[row] * column[other] / variance;
+/// What friction must not fall below: Σ aᵢ·fᵢ + b ≥ 0.
+struct PhysicalBound {
+    terms: Vec<(usize, f64)>,
+    constant: f64,
+    /// Of an estimate that breaks it.
+    says: String,
+}
+
+impl PhysicalBound {
+    fn at(&self, values: &[f64]) -> f64 {
+        self.terms.iter().map(|&(index, a)| a * values[index]).sum::<f64>() + self.constant
+    }
+
+    /// Σ·a.
+    fn column(&self, covariance: &[f64], count: usize) -> Vec<f64> {
+        let entry = |row: usize| {
+            self.terms
+                .iter()
+                .map(|&(index, a)| a * covariance[lower(row, index)])
+                .sum()
+        };
+        (0..count).map(entry).collect()
+    }
+
+    fn variance(&self, column: &[f64]) -> f64 {
+        self.terms.iter().map(|&(index, a)| a * column[index]).sum()
+    }
+
+    /// Makes the sum 0, and known.
+    fn condition(&self, values: &mut [f64], covariance: &mut [f64]) {
+        let count = values.len();
+        let column = self.column(covariance, count);
+        let (value, variance) = (self.at(values), self.variance(&column));
+        for row in 0..count {
+            values[row] -= column[row] * value / variance;
+            for other in 0..=row {
+                covariance[lower(row, other)] -= column[row] * column[other] / variance;
+            }
+        }
+        if let [(only, a)] = self.terms[..] {
+            values[only] = -self.constant / a;
+            (0..count).for_each(|index| covariance[lower(index, only)] = 0.0);
         }
     }
-    values[fixed] = 0.0;
-    for index in 0..count {
-        covariance[lower(index, fixed)] = 0.0;
-    }
+}
+
+/// The bound that is broken furthest, in standard errors. One that is settled has none left.
+fn worst<'a>(bounds: &'a [PhysicalBound], values: &[f64], covariance: &[f64]) -> Option<&'a PhysicalBound> {
+    let spread = |bound: &PhysicalBound| {
+        let column = bound.column(covariance, values.len());
+        let whole: f64 = bound
+            .terms
+            .iter()
+            .map(|&(index, a)| a * a * covariance[lower(index, index)])
+            .sum();
+        let variance = bound.variance(&column);
+        // what rounding leaves of a settled sum's variance is none
+        (variance > SETTLED_VARIANCE * whole).then(|| libm::sqrt(variance))
+    };
+    bounds
+        .iter()
+        .filter(|bound| bound.at(values) < 0.0)
+        .filter_map(|bound| Some((bound, bound.at(values) / spread(bound)?)))
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(bound, _)| bound)
 }
 
 fn kinds(law: FrictionLaw, index: usize) -> &'static [ParameterKind] {
@@ -197,6 +281,8 @@ mod tests {
             coefficients,
             covariance: covariance.to_vec(),
             degrees_of_freedom: Some(30.0),
+            held_quadratic: 0.0,
+            speed_limit: None,
             residual_rms: 0.5,
             residual_deviation: 0.4,
             correlation_time: Some(0.2),
@@ -236,6 +322,48 @@ mod tests {
         );
         let committed = given.friction();
         assert!(committed.friction.is_zero() && committed.warnings.len() == 2);
+    }
+
+    #[test]
+    fn quadratic_friction_may_be_negative_as_far_as_friction_does_not_fall_within_the_speed_limit() {
+        let law = FrictionLaw {
+            quadratic: true,
+            ..FrictionLaw::default()
+        };
+        let covariance = [0.01, 0.0, 0.04, 0.0, -0.01, 0.01];
+        let of = |speed_limit| {
+            let mut given = estimate(law, &[2.0, 3.0, -0.5], &covariance, FrictionSide::Total);
+            given.speed_limit = speed_limit;
+            given.friction()
+        };
+        assert_eq!(of(Some(2.0)).friction.quadratic, -0.5);
+        assert!(of(Some(2.0)).warnings.is_empty());
+        let level = of(Some(4.0));
+        let slope = level.friction.viscous + 8.0 * level.friction.quadratic;
+        assert!(slope.abs() < 1e-13 && level.friction.quadratic < 0.0, "{level:?}");
+        assert!(
+            level.friction.viscous < 3.0,
+            "they are known to be off against each other"
+        );
+        assert!(
+            level.warnings[0].contains("below the limit of 4.0"),
+            "{:?}",
+            level.warnings
+        );
+        let none = of(None);
+        assert_eq!(none.friction.quadratic, 0.0);
+        assert!(none.warnings[0].contains("it is 0"), "{:?}", none.warnings);
+
+        // held at the model's, the viscous term must carry it
+        let mut given = estimate(
+            FrictionLaw::default(),
+            &[2.0, 3.0],
+            &[0.01, 0.0, 0.04],
+            FrictionSide::Total,
+        );
+        (given.held_quadratic, given.speed_limit) = (-0.5, Some(4.0));
+        assert!((given.friction().friction.viscous - 4.0).abs() < 1e-13);
+        assert_eq!(given.friction().warnings.len(), 1);
     }
 
     #[test]

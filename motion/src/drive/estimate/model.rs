@@ -40,13 +40,16 @@ pub(super) struct JointModel {
     pub(super) known: Friction,
     /// Those terms of it that the law does not have: they are taken off the balance, and stay in the model.
     pub(super) held: Friction,
+    /// The joint's, rad/s or m/s, where it has one.
+    pub(super) speed_limit: Option<f64>,
     /// Standard deviations of the coefficients beforehand.
     pub(super) deviations: [f64; TERMS_MAX],
 }
 
 impl JointModel {
     pub(super) fn new(robot: &Robot, joint: usize, side: FrictionSide, law: FrictionLaw) -> Self {
-        let drive = &robot.spec().joints[joint].drive;
+        let spec = &robot.spec().joints[joint];
+        let drive = &spec.drive;
         let known = known(drive, side);
         Self {
             gear_ratio: drive.gear_ratio,
@@ -65,6 +68,7 @@ impl JointModel {
             },
             known,
             held: law.rest(&known),
+            speed_limit: spec.limits.velocity,
             deviations: [0.0; TERMS_MAX],
         }
     }

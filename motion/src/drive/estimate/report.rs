@@ -60,6 +60,10 @@ pub struct JointEstimate {
     pub coefficients: Vec<Coefficient>,
     /// Covariance of the coefficients: its lower triangle row by row.
     pub covariance: Vec<f64>,
+    /// Quadratic friction at which the model's was held, where the law has no such term; 0 where it has.
+    pub held_quadratic: f64,
+    /// The joint's speed limit, rad/s or m/s: within it friction must not fall with speed.
+    pub speed_limit: Option<f64>,
     /// How many independent pieces of evidence the covariance stands on: its intervals are Student's. `None`: there are too few to
     /// say, or the method does not ask; intervals are normal, with the noise and the correlation time that the options assume.
     pub degrees_of_freedom: Option<f64>,
