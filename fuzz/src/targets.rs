@@ -346,7 +346,8 @@ fn fit_recording(wire: &v1::MotionFitRequest) {
         Err(plan::Failure::Stopped) => {}
         Err(plan::Failure::Invalid(errors)) => {
             let errors = errors.into_iter();
-            let errors = errors.map(|error| convert::fit::finding_on_recording(error, wire, ARM.spec(), "identify"));
+            let errors = errors
+                .map(|error| convert::fit::finding_on_recording(error, wire, ARM.spec(), convert::fit::Part::Identify));
             assert_named(&errors.collect::<Vec<_>>());
         }
     }

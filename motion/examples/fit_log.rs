@@ -2,12 +2,13 @@
 //!
 //! ```text
 //! cargo run --release -p takt-motion --example fit_log -- arm.urdf log.csv 0:8 8.5:13.3
-//!     [--tip LINK] [--peak 87,87,…] [--scope friction|payload|rotors|bodies] [--band 5] [--friction VISCOUS,…:COULOMB,…]
+//!     [--test-log other.csv] [--tip LINK] [--peak 87,87,…]
+//!     [--scope friction|payload|rotors|bodies] [--band 5] [--friction VISCOUS,…:COULOMB,…]
 //! ```
 //!
 //! The log is a CSV with a line of names: `t` or `time` in s, `q1`…, `qd1`… (may be left out), `tau1`… or `i1`… (currents, with `--constant` N m/A
-//! and `--ratio`, one a joint). Peak torques come from the URDF where they are not given. `--friction` is a published friction to compare
-//! with.
+//! and `--ratio`, one a joint). With `--test-log` the second range is of that log. Peak torques come from the URDF where they are not
+//! given. `--friction` is a published friction to compare with.
 
 use std::error::Error;
 use std::fmt::Write as _;
@@ -30,6 +31,7 @@ type Fallible<T> = Result<T, Box<dyn Error>>;
 /// What the command line asks for.
 struct Options {
     files: Vec<String>,
+    test_log: Option<String>,
     tip: Option<String>,
     peak: Vec<f64>,
     scope: Scope,
@@ -46,6 +48,11 @@ fn main() -> Fallible<()> {
     };
     let robot = options.robot(&std::fs::read_to_string(urdf)?)?;
     let recording = read_log(&std::fs::read_to_string(log)?, robot.joint_count())?;
+    let other = match &options.test_log {
+        Some(log) => Some(read_log(&std::fs::read_to_string(log)?, robot.joint_count())?),
+        None => None,
+    };
+    let compared = other.as_ref().unwrap_or(&recording);
     let of_range = |text: &str| -> Fallible<Selection> {
         let (from, to) = text.split_once(':').ok_or("a range is FROM:TO")?;
         Ok(Selection {
@@ -71,11 +78,7 @@ fn main() -> Fallible<()> {
             write_estimates(&mut out, &robot, &fit)?;
             let fitted = Robot::new(fit.spec.clone(), Vec::new()).map_err(|faults| format!("{faults:?}"))?;
             let mut compare = |name: &str, robot: &Robot| -> Fallible<()> {
-                write_assessment(
-                    &mut out,
-                    name,
-                    &assess(robot, &recording, &test, &budget).map_err(said)?,
-                )
+                write_assessment(&mut out, name, &assess(robot, compared, &test, &budget).map_err(said)?)
             };
             compare("as described, without friction", &with_friction(&robot, None)?)?;
             if let Some(friction) = &options.friction {
@@ -92,6 +95,7 @@ impl Options {
     fn parse() -> Fallible<Self> {
         let mut options = Self {
             files: Vec::new(),
+            test_log: None,
             tip: None,
             peak: Vec::new(),
             scope: Scope::Bodies,
@@ -108,6 +112,7 @@ impl Options {
             }
             let value = arguments.next().ok_or_else(|| format!("{argument} needs a value"))?;
             match argument.as_str() {
+                "--test-log" => options.test_log = Some(value),
                 "--tip" => options.tip = Some(value),
                 "--peak" => options.peak = numbers(&value)?,
                 "--constant" => options.constant = numbers(&value)?,

@@ -16,13 +16,26 @@ const HARDLY_TOLD: f64 = 0.5;
 /// Part of a residual that poses may explain before the bodies are to be doubted.
 const POSE_SHARE: f64 = 0.3;
 
-/// A fit, for a person.
-pub(crate) fn fit(fit: &v1::MotionFit, robot: &v1::Robot, terminal: Terminal) -> String {
+/// A fit, for a person; `test_log` is the file that it is compared with where that is another one.
+pub(crate) fn fit(fit: &v1::MotionFit, robot: &v1::Robot, test_log: Option<&str>, terminal: Terminal) -> String {
     let mut out = errors(fit, robot).render_for(terminal);
-    out.push_str(match fit.after {
-        Some(_) => ERRORS_WITH_TEST,
-        None => ERRORS,
-    });
+    match &fit.after {
+        Some(after) => {
+            let of = test_log.map_or_else(|| "the test part".to_owned(), |log| format!("the log {log}"));
+            out.push_str(ERRORS_FITTED);
+            let _ = writeln!(
+                out,
+                "before, after: on {of} ({} samples), with the model as it was and as fitted. 95 % within: so much of its errors is \
+                 smaller; of peak: over the peak torque",
+                after.sample_count
+            );
+            out.push_str(ERRORS_OF_TEST);
+        }
+        None => {
+            out.push_str(ERRORS_FITTED);
+            out.push_str(NO_TEST);
+        }
+    }
     let _ = writeln!(
         out,
         "{} samples; {} of {} parameters determined by the motion{}",
@@ -55,16 +68,18 @@ pub(crate) fn fit(fit: &v1::MotionFit, robot: &v1::Robot, terminal: Terminal) ->
     out
 }
 
-/// What the columns of errors mean.
-const ERRORS: &str = "\
+/// What the first columns of errors mean.
+const ERRORS_FITTED: &str = "\
 error of the torque over the torque, rms. fitted: on what was fitted; left out: on stretches of it left out in turn
-how well the fit foretells other motion takes a part that was not fitted: --identify and --test
 ";
 
-/// The same, with a part to be compared with.
-const ERRORS_WITH_TEST: &str = "\
-error of the torque over the torque, rms. fitted: on what was fitted; left out: on stretches of it left out in turn
-before, after: on the test part, with the model as it was and as fitted. 95 % within: so much of its errors is smaller; of peak: over the peak torque
+/// How to get the others.
+const NO_TEST: &str = "\
+how well the fit foretells other motion takes what was not fitted: a part with --identify and --test, or another log with --test-log
+";
+
+/// What the columns of a comparison mean.
+const ERRORS_OF_TEST: &str = "\
 covered: samples within the 95 % band that the fitted model states; width: of that band over the narrowest constant one that holds 95 %
 online: the same of a band that follows the errors seen until a moment before (docs/friction.md)
 ";

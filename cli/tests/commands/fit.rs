@@ -16,7 +16,7 @@ fn a_recording_is_fitted_and_compared() {
     let said = call(&server, &line, &log);
     assert_eq!(said.code, exit::OK, "{}{}", said.output, said.errors);
     for part in [
-        "before, after: on the test part",
+        "before, after: on the test part (",
         "viscous",
         "Coulomb +",
         "told: part of the value",
@@ -59,6 +59,37 @@ fn a_test_part_that_was_fitted_is_refused_and_a_log_that_ends_early_is_told() {
         "{}",
         late.output
     );
+}
+
+#[test]
+fn another_log_is_compared_with_in_its_own_times() {
+    let server = arm();
+    let folder = tempfile::tempdir().unwrap();
+    let other = folder.path().join("other.csv");
+    std::fs::write(&other, log(3000)).unwrap();
+    let other = other.to_str().unwrap();
+    let log = log(6000);
+    let ask = |more: &[&str]| call(&server, &[&FIT[..], &["--test-log", other], more].concat(), &log);
+    let whole = ask(&[]);
+    assert_eq!(whole.code, exit::OK, "{}{}", whole.output, whole.errors);
+    assert!(
+        whole.output.contains(&format!("on the log {other} (")),
+        "{}",
+        whole.output
+    );
+    let late = ask(&["--test", "0.5..20"]);
+    assert_eq!(late.code, exit::OK, "{}", late.errors);
+    assert!(
+        late.output.contains("test: 0.5 to 2.999 s is used of the 0.5 to 20 s"),
+        "{}",
+        late.output
+    );
+    std::fs::write(other, "t,q1\n0,\n1,nan\n").unwrap();
+    let broken = ask(&[]);
+    assert_eq!(broken.code, exit::USAGE, "{}", broken.output);
+    for part in ["2 values that are no numbers", "of the test log"] {
+        assert!(broken.errors.contains(part), "{part}: {}", broken.errors);
+    }
 }
 
 /// A spring of 12 kN m/rad with a cube, and a torque sensor that is off by half a newton metre.

@@ -10,7 +10,7 @@ use takt_motion::{
     drive::fit::{
         assess::assess,
         motion::fit_motion,
-        recording::Selection,
+        recording::{Recording, Selection},
         report::{Assessment, MotionFit, MotionOutcome, Scope},
     },
     drive::log_hints::LogHints,
@@ -18,7 +18,10 @@ use takt_motion::{
     robot::Robot,
 };
 use takt_proto::{
-    convert::{self, fit::MotionFitRequest},
+    convert::{
+        self,
+        fit::{MotionFitRequest, Part},
+    },
     v1::{self, fit_drive_request::Fit, fit_drive_response::Outcome},
 };
 use tracing::Span;
@@ -52,26 +55,40 @@ pub(crate) fn fit_drive(
         None => robot.robot.clone(),
     };
     // what looks wrong with a log may be why there is no fit
-    let hints = LogHints::of_recording(&loaded, &read.recording, budget);
-    let hints = hints.map_err(|stopped| failed(stopped.into(), deadline))?;
-    let in_words = |part: &'static str| {
+    let hints_of = |recording: &Recording| {
+        let hints = LogHints::of_recording(&loaded, recording, budget);
+        hints.map_err(|stopped| failed(stopped.into(), deadline))
+    };
+    let mut hints = vec![("recording", hints_of(&read.recording)?)];
+    if let Some(other) = &read.test_recording {
+        hints.push(("test_recording", hints_of(other)?));
+    }
+    let in_words = |part: Part| {
         let (spec, hints) = (robot.robot.spec(), &hints);
         move |failure: plan::Failure| match failure {
             plan::Failure::Invalid(list) => {
                 let list = list.into_iter();
                 let list = list.map(|found| convert::fit::finding_on_recording(found, wire, spec, part));
-                let hints = hints.iter().map(|hint| Invalid::new("motion.recording", hint.clone()));
+                let hints = hints.iter().flat_map(|(field, hints)| {
+                    let at = move |hint: &String| Invalid::new(format!("motion.{field}"), hint.clone());
+                    hints.iter().map(at)
+                });
                 ServiceError::invalid(list.chain(hints).collect())
             }
             stopped @ plan::Failure::Stopped => failed(stopped, deadline),
         }
     };
+    let hints = said_of_logs(&hints, &read);
     let test = |robot: &Robot| -> Result<Option<Assessment>, ServiceError> {
-        let compare = |selection: &Selection| assess(robot, &read.recording, selection, budget);
-        read.test.as_ref().map(compare).transpose().map_err(in_words("test"))
+        let compare = |selection: &Selection| assess(robot, read.compared(), selection, budget);
+        read.test
+            .as_ref()
+            .map(compare)
+            .transpose()
+            .map_err(in_words(Part::Test))
     };
     let before = test(&loaded)?;
-    let outcome = fit_motion(&loaded, &read.recording, &read.options, budget).map_err(in_words("identify"))?;
+    let outcome = fit_motion(&loaded, &read.recording, &read.options, budget).map_err(in_words(Part::Identify))?;
     let spec = robot.robot.spec();
     let (outcome, proposal) = match outcome {
         MotionOutcome::NotExcited(missing) => {
@@ -90,12 +107,12 @@ pub(crate) fn fit_drive(
                 assessment.map(|assessment| convert::fit::assessment_to_wire(&assessment, spec))
             };
             let parts = [
-                ("identify", Some(&read.options.selection)),
-                ("test", read.test.as_ref()),
+                (Part::Identify, &read.recording, Some(&read.options.selection)),
+                (Part::Test, read.compared(), read.test.as_ref()),
             ];
             let short = parts
                 .into_iter()
-                .filter_map(|(name, part)| read.recording.shortfall(part?, name));
+                .filter_map(|(part, recording, selection)| recording.shortfall(selection?, part.range_field()));
             answer.warnings.extend(short);
             answer.before = to_wire(before);
             answer.after = to_wire(test(&fitted)?);
@@ -112,6 +129,26 @@ pub(crate) fn fit_drive(
         proposal,
         provenance: Some(provenance),
     })
+}
+
+/// What is odd about the recordings, a sentence each.
+fn said_of_logs(hints: &[(&str, Vec<String>)], read: &MotionFitRequest) -> Vec<String> {
+    let sentence = |field: &str, hint: &String| match field {
+        "recording" => hint.clone(),
+        _ => format!("{field}: {hint}"),
+    };
+    let mut said: Vec<String> = hints
+        .iter()
+        .flat_map(|(field, hints)| hints.iter().map(|hint| sentence(field, hint)))
+        .collect();
+    if !read.compared().has_the_effort_of(&read.recording) {
+        said.push(
+            "test_recording: one recording has torques and the other motor currents, so what differs between sensors and currents is \
+             in the comparison too"
+                .to_owned(),
+        );
+    }
+    said
 }
 
 /// A fit keeps to what a robot can be.

@@ -23,6 +23,7 @@ use crate::{
 Examples:
   takt drive fit ur5e log.csv
   takt drive fit panda log.csv --identify 0..8 --test 8.5..13.3
+  takt drive fit panda monday.csv --test-log friday.csv         foretell another day; --test is a part of friday.csv
   takt drive fit ur5e log.csv --scope friction --json > fit.json && takt drive commit ur5e fit.json
   takt drive fit ur5e log.csv --scope payload                   what is in its hand?
 
@@ -32,6 +33,10 @@ elbow_joint.motor_current); its velocity (qd1, or elbow_joint.velocity) where it
 
 Errors are those of the torque below the band, over the torque itself. Figures of the test part count: it was not fitted.
 It must not overlap the fitted part; where the log ends earlier than a part, a warning says what was used.
+
+With --test-log the comparison is with that log: all of it, or the part in --test, in its own times, which have nothing to do
+with those of the other. It is written as the other is, of the same arm with the same payload; currents become torques with the
+same constants. Another day says more than another part of the same: grease warms up and wears.
 
 One joint on the bench is fitted by other commands: takt drive fit-stiffness, fit-damping and fit-constant-speed.
 
@@ -44,9 +49,13 @@ pub(crate) struct FitArgs {
     /// Part of it that is fitted to, as in 0..8 (s) or 500ms..2s. Default: all of it.
     #[arg(long, value_name = "BEGIN..END", value_parser = range)]
     identify: Option<(f64, f64)>,
-    /// Part of it that the model is compared with, before and after the fit, as in 8.5..13.3; needs --identify.
-    #[arg(long, value_name = "BEGIN..END", value_parser = range, requires = "identify")]
+    /// Part that the model is compared with, before and after the fit, as in 8.5..13.3: of the log, which needs --identify, or of
+    /// --test-log.
+    #[arg(long, value_name = "BEGIN..END", value_parser = range)]
     test: Option<(f64, f64)>,
+    /// Another recording in CSV that the model is compared with, all of it or --test; - for standard input.
+    #[arg(long, value_name = "CSV")]
+    test_log: Option<String>,
     /// Corner frequency of the low pass for torque and model, Hz.
     #[arg(long, value_name = "HZ")]
     band: Option<f64>,
@@ -67,6 +76,15 @@ pub(crate) struct FitArgs {
     /// Print the reply as it is, with what it proposes.
     #[arg(long)]
     json: bool,
+}
+
+impl FitArgs {
+    fn effort(&self) -> Effort {
+        match self.current {
+            true => Effort::Current,
+            false => Effort::TorqueFirst,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -94,8 +112,27 @@ fn range(text: &str) -> Result<(f64, f64), String> {
 
 pub(super) async fn run(args: FitArgs, client: &Client, io: &mut Io) -> Result<u8, Failure> {
     let robot = context::robot(client, &args.robot_id, args.revision.as_deref()).await?;
+    if args.test.is_some() && args.identify.is_none() && args.test_log.is_none() {
+        let failure = Failure::usage("--test is a part of the log, all of which is fitted without --identify");
+        return Err(failure.hint("give --identify BEGIN..END, or another log with --test-log"));
+    }
+    if args.log == "-" && args.test_log.as_deref() == Some("-") {
+        return Err(Failure::usage("only one of LOG and --test-log can be standard input"));
+    }
     let text = files::read(&args.log, io)?;
-    let recording = recording(&text, &robot, args.current, io)?;
+    let recording = recording(&text, &robot, args.effort(), "", io)?;
+    let test_recording = match &args.test_log {
+        Some(log) => {
+            let effort = match args.effort() {
+                Effort::TorqueFirst if has_current(&recording) => Effort::CurrentFirst,
+                asked => asked,
+            };
+            let text = files::read(log, io)?;
+            let read = self::recording(&text, &robot, effort, &format!("{log}: "), io);
+            Some(read.map_err(|failure| failure.hint(format!("that is of the test log, {log}")))?)
+        }
+        None => None,
+    };
     let part = |range: Option<(f64, f64)>| range.map(|(begin_s, end_s)| v1::TimeRange { begin_s, end_s });
     let fit = v1::MotionFitRequest {
         recording: Some(recording),
@@ -110,6 +147,7 @@ pub(super) async fn run(args: FitArgs, client: &Client, io: &mut Io) -> Result<u
         })),
         presliding: Some(!args.no_presliding),
         payload: args.payload.payload(),
+        test_recording,
     };
     let request = v1::FitDriveRequest {
         robot_id: args.robot_id.clone(),
@@ -123,7 +161,7 @@ pub(super) async fn run(args: FitArgs, client: &Client, io: &mut Io) -> Result<u
     match &reply.outcome {
         Some(Outcome::Motion(fit)) => {
             if !args.json {
-                io.print(&render::fit(fit, &robot, io.terminal))?;
+                io.print(&render::fit(fit, &robot, args.test_log.as_deref(), io.terminal))?;
                 io.print(&render::proposal(reply.proposal.as_ref(), &robot.robot_id))?;
             }
             Ok(exit::OK)
@@ -138,14 +176,35 @@ pub(super) async fn run(args: FitArgs, client: &Client, io: &mut Io) -> Result<u
     }
 }
 
-/// The columns that a fit reads.
-fn recording(text: &str, robot: &v1::Robot, current: bool, io: &mut Io) -> Result<v1::Telemetry, Failure> {
+/// Which of torques and motor currents is read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Effort {
+    /// Torques where the log has them.
+    TorqueFirst,
+    /// Currents where the log has them, as the log that is fitted.
+    CurrentFirst,
+    /// Currents, as asked for.
+    Current,
+}
+
+fn has_current(recording: &v1::Telemetry) -> bool {
+    recording.joints.iter().any(|joint| !joint.motor_current.is_empty())
+}
+
+/// The columns that a fit reads; remarks begin with which log it is.
+fn recording(
+    text: &str,
+    robot: &v1::Robot,
+    effort: Effort,
+    which: &str,
+    io: &mut Io,
+) -> Result<v1::Telemetry, Failure> {
     let names: Vec<String> = robot.joints.iter().map(|joint| joint.name.clone()).collect();
     let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
     let (_, first) = lines.next().ok_or_else(|| Failure::usage("the log is empty"))?;
     let header = Header::read(first, &names)?;
     if !header.ignored.is_empty() {
-        io.remark(&format!("columns passed over: {}", header.ignored.join(", ")))?;
+        io.remark(&format!("{which}columns passed over: {}", header.ignored.join(", ")))?;
     }
     let mut recording = header.block();
     let mut missing = Missing::default();
@@ -161,6 +220,15 @@ fn recording(text: &str, robot: &v1::Robot, current: bool, io: &mut Io) -> Resul
         );
     }
     let has_torque = recording.joints.iter().any(|joint| !joint.torque.is_empty());
+    let current = match effort {
+        Effort::TorqueFirst => !has_torque,
+        Effort::CurrentFirst => has_current(&recording),
+        Effort::Current if has_current(&recording) => true,
+        Effort::Current => {
+            let failure = Failure::usage("the log has no motor currents, which --current asks for");
+            return Err(failure.hint("its columns would be i1, i2 and so on, or elbow_joint.motor_current"));
+        }
+    };
     recording.joints = recording
         .joints
         .into_iter()
@@ -169,11 +237,7 @@ fn recording(text: &str, robot: &v1::Robot, current: bool, io: &mut Io) -> Resul
             position: joint.position,
             velocity: joint.velocity,
             torque: if current { Vec::new() } else { joint.torque },
-            motor_current: if current || !has_torque {
-                joint.motor_current
-            } else {
-                Vec::new()
-            },
+            motor_current: if current { joint.motor_current } else { Vec::new() },
             ..Default::default()
         })
         .collect();

@@ -5,7 +5,7 @@
 //! directions, and the interval is wider by the Coulomb torque. That is what plans keep. A controller that watches its torques knows more:
 //! the second interval also follows the residual, a period of the band behind it (`super::online`).
 
-use super::design::Design;
+use super::design::{Design, check_size};
 use super::linear::dot;
 use super::online::{OnlineInterval, horizon_samples};
 use super::recording::{self, Recording, Selection};
@@ -46,6 +46,7 @@ pub fn assess(
         Some(uncertainty) => Unknowns::of(robot, &uncertainty.parameters),
         None => Unknowns::new(robot, Scope::Friction),
     };
+    check_size(&signals, &unknowns, robot.joint_count())?;
     let mut design = Design::new(robot, &signals, &unknowns, budget)?;
     for joint in 0..robot.joint_count() {
         design.set_deflection(&signals, joint, deflection(robot, joint));

@@ -10,10 +10,11 @@ use super::signals::Signals;
 use super::unknowns::Unknowns;
 use crate::budget::Budget;
 use crate::dynamics::regressor::{self, BODY, PER_JOINT, Regressor};
+use crate::error::Invalid;
 use crate::plan::Failure;
 use crate::robot::Robot;
 use crate::robot::spec::{Parameter, ParameterKind};
-use crate::tolerance::BUDGET_STRIDE;
+use crate::tolerance::{BUDGET_STRIDE, FIT_ENTRIES_MAX};
 
 /// One joint's equations.
 #[derive(Debug, Clone)]
@@ -34,6 +35,21 @@ pub(crate) struct Rows {
 #[derive(Debug, Clone)]
 pub(crate) struct Design {
     pub(crate) rows: Vec<Rows>,
+}
+
+/// Whether equations of this size may be set up.
+pub(crate) fn check_size(signals: &Signals, unknowns: &Unknowns, joints: usize) -> Result<(), Failure> {
+    let entries = signals.time.len() * (unknowns.count() * (joints + 1) / 2 + joints);
+    if entries <= FIT_ENTRIES_MAX {
+        return Ok(());
+    }
+    let message = format!(
+        "{} samples at {:.4} s with {} unknowns are too many: give a shorter recording or a lower band",
+        signals.time.len(),
+        signals.period,
+        unknowns.count()
+    );
+    Err(Failure::Invalid(vec![Invalid::new("time", message)]))
 }
 
 impl Design {

@@ -12,7 +12,7 @@
 //! 5. The noise that is stated: the likeliest one for errors on stretches that were left out, beside the covariance of the
 //!    parameters there (`super::student`). The covariance is the inverse of all second derivatives at the solution.
 
-use super::design::Design;
+use super::design::{Design, check_size};
 use super::excitation::{check_motion, check_rank};
 use super::linear::{Cholesky, dot};
 use super::normal::{Gram, Normal};
@@ -27,13 +27,10 @@ use super::unknowns::Unknowns;
 use super::validate::{Problem, Validated};
 use super::{deflect, free_bodies, payload};
 use crate::budget::{Budget, Stopped};
-use crate::error::Invalid;
 use crate::plan::Failure;
 use crate::robot::Robot;
 use crate::robot::spec::{ParameterKind, Residual};
-use crate::tolerance::{
-    ALONE_SHRINK, DEFLECTION_ROUNDS, FIT_ENTRIES_MAX, FIT_FOLDS, LOAD_COULOMB_DEVIATION, RIDGE_START, RIDGES,
-};
+use crate::tolerance::{ALONE_SHRINK, DEFLECTION_ROUNDS, FIT_FOLDS, LOAD_COULOMB_DEVIATION, RIDGE_START, RIDGES};
 
 /// Fits a model to a recorded motion of an arm, beginning from its description.
 ///
@@ -88,20 +85,6 @@ pub fn fit_motion(
     }
     report.warnings = pose::warnings(robot, &unknowns, &report);
     Ok(MotionOutcome::Fitted(Box::new(report)))
-}
-
-fn check_size(signals: &Signals, unknowns: &Unknowns, joints: usize) -> Result<(), Failure> {
-    let entries = signals.time.len() * (unknowns.count() * (joints + 1) / 2 + joints);
-    if entries <= FIT_ENTRIES_MAX {
-        return Ok(());
-    }
-    let message = format!(
-        "{} samples at {:.4} s with {} unknowns are too many: give a shorter part of the recording or a lower band",
-        signals.time.len(),
-        signals.period,
-        unknowns.count()
-    );
-    Err(Failure::Invalid(vec![Invalid::new("time", message)]))
 }
 
 fn unsolvable() -> Missing {

@@ -141,6 +141,26 @@ impl Selection {
 }
 
 impl Recording {
+    /// What is wrong with another recording beside this one: together they have more samples than one may have.
+    #[must_use]
+    pub fn too_long_with(&self, other: &Self) -> Option<String> {
+        let (fitted, compared) = (self.time.len(), other.time.len());
+        (fitted.saturating_add(compared) > FIT_SAMPLES_MAX).then(|| {
+            format!(
+                "{compared} samples, with the {fitted} of the recording that is fitted the most is {FIT_SAMPLES_MAX}: cut one of them"
+            )
+        })
+    }
+
+    /// Whether both have torques, or both currents.
+    #[must_use]
+    pub fn has_the_effort_of(&self, other: &Self) -> bool {
+        matches!(
+            (&self.effort, &other.effort),
+            (Effort::Torque(_), Effort::Torque(_)) | (Effort::Current(_), Effort::Current(_))
+        )
+    }
+
     /// What a part that is asked for has more than the recording, in a sentence; `name` is that of the part.
     #[must_use]
     pub fn shortfall(&self, selection: &Selection, name: &str) -> Option<String> {

@@ -25,11 +25,50 @@ pub struct MotionFitRequest {
     pub options: MotionOptions,
     /// Which part the fit is compared with.
     pub test: Option<Selection>,
+    /// What that is a part of; `None`: of what is fitted.
+    pub test_recording: Option<Recording>,
     /// What the arm carried; `None`: the model's payload.
     pub payload: Option<Inertial>,
 }
 
-/// Reads a fit to a motion. The recording needs a robot that is known: `None` without.
+/// One of the two parts that a fit looks at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// What is fitted.
+    Identify,
+    /// What the fit is compared with.
+    Test,
+}
+
+impl Part {
+    /// The field of its range.
+    #[must_use]
+    pub fn range_field(self) -> &'static str {
+        match self {
+            Self::Identify => "identify",
+            Self::Test => "test",
+        }
+    }
+
+    /// The recording that it is a part of, with the name of its field.
+    #[must_use]
+    pub fn recording(self, wire: &v1::MotionFitRequest) -> (&'static str, Option<&v1::Telemetry>) {
+        match (self, &wire.test_recording) {
+            (Self::Test, Some(recording)) => ("test_recording", Some(recording)),
+            (Self::Identify | Self::Test, _) => ("recording", wire.recording.as_ref()),
+        }
+    }
+}
+
+impl MotionFitRequest {
+    /// What the part for the comparison is a part of.
+    #[must_use]
+    pub fn compared(&self) -> &Recording {
+        self.test_recording.as_ref().unwrap_or(&self.recording)
+    }
+}
+
+/// Reads a fit to a motion. Recordings need a robot that is known: `None` without.
 pub fn motion_fit_request(
     wire: &v1::MotionFitRequest,
     spec: Option<&RobotSpec>,
@@ -59,18 +98,25 @@ pub fn motion_fit_request(
         findings.push(at.field("recording"), "must be given");
         return None;
     };
-    let test = wire.test.map(|range| selection(Some(range)));
-    if let Some((begin, end)) = test.and_then(|test| test.overlap(&selection(wire.identify))) {
-        let fitted = match &wire.identify {
-            Some(range) => format!("{} to {} s are fitted", range.begin_s, range.end_s),
-            None => "all of the recording is fitted, as `identify` is not given".to_owned(),
-        };
-        let message = format!(
-            "must be apart from the part that is fitted: {fitted}, and {begin} to {end} s are in both; what was fitted foretells nothing"
-        );
-        findings.push(at.field("test"), message);
+    let mut test = wire.test.map(|range| selection(Some(range)));
+    match &wire.test_recording {
+        // Times of different recordings have nothing to do with each other.
+        Some(_) => test = test.or(Some(selection(None))),
+        None => check_apart(wire, test, &selection(wire.identify), at.field("test"), findings),
     }
-    let recording = recording(wire_recording, at.field("recording"), spec?, findings)?;
+    let spec = spec?;
+    let recording = read_recording(wire_recording, at.field("recording"), spec, findings);
+    let other = wire.test_recording.as_ref();
+    let other = other.map(|other| read_recording(other, at.field("test_recording"), spec, findings));
+    let recording = recording?;
+    let test_recording = match other {
+        Some(other) => Some(other?),
+        None => None,
+    };
+    let together = test_recording.as_ref();
+    if let Some(message) = together.and_then(|other| recording.too_long_with(other)) {
+        findings.push(at.field("test_recording").field("time_s"), message);
+    }
     Some(MotionFitRequest {
         recording,
         options: MotionOptions {
@@ -86,12 +132,34 @@ pub fn motion_fit_request(
             presliding: wire.presliding.unwrap_or(default.presliding),
         },
         test,
+        test_recording,
         payload,
     })
 }
 
+/// What was fitted foretells nothing: within one recording the two parts must be apart.
+fn check_apart(
+    wire: &v1::MotionFitRequest,
+    test: Option<Selection>,
+    identify: &Selection,
+    at: Path<'_>,
+    findings: &mut Findings,
+) {
+    let Some((begin, end)) = test.and_then(|test| test.overlap(identify)) else {
+        return;
+    };
+    let fitted = match &wire.identify {
+        Some(range) => format!("{} to {} s are fitted", range.begin_s, range.end_s),
+        None => "all of the recording is fitted, as `identify` is not given".to_owned(),
+    };
+    let message = format!(
+        "must be apart from the part that is fitted: {fitted}, and {begin} to {end} s are in both; what was fitted foretells nothing"
+    );
+    findings.push(at, message);
+}
+
 /// Reads a recording: joints in model order.
-fn recording(wire: &v1::Telemetry, at: Path<'_>, robot: &RobotSpec, findings: &mut Findings) -> Option<Recording> {
+fn read_recording(wire: &v1::Telemetry, at: Path<'_>, robot: &RobotSpec, findings: &mut Findings) -> Option<Recording> {
     findings.finite_list(at.field("time_s"), &wire.time_s);
     let joints_at = at.field("joints");
     let joints = drive::in_model_order(&wire.joints, joints_at, robot, findings)?;
@@ -130,30 +198,31 @@ fn recording(wire: &v1::Telemetry, at: Path<'_>, robot: &RobotSpec, findings: &m
     })
 }
 
-/// What a fit finds wrong with a recording, in the words of the wire; `part` is the field of the range that it looked at.
+/// What a fit finds wrong with a recording, in the words of the wire; `part` is the one that it looked at.
 #[must_use]
-pub fn finding_on_recording(found: Invalid, wire: &v1::MotionFitRequest, robot: &RobotSpec, part: &str) -> Invalid {
+pub fn finding_on_recording(found: Invalid, wire: &v1::MotionFitRequest, robot: &RobotSpec, part: Part) -> Invalid {
     let Invalid { path, message } = found;
+    let (field, recording) = part.recording(wire);
     let (name, rest) = path.split_at(path.find('[').unwrap_or(path.len()));
     let column = match name {
         "band" => return Invalid::new("motion.band_hz", message),
-        "range" => return Invalid::new(format!("motion.{part}"), message),
-        "time" => return Invalid::new(format!("motion.recording.time_s{rest}"), message),
+        "range" => return Invalid::new(format!("motion.{}", part.range_field()), message),
+        "time" => return Invalid::new(format!("motion.{field}.time_s{rest}"), message),
         "position" | "velocity" | "torque" => name,
         "current" => "motor_current",
         "" => return Invalid::new("motion", message),
         other => return Invalid::new(format!("motion.{other}{rest}"), message),
     };
     let Some((joint, rest)) = rest.strip_prefix('[').and_then(|rest| rest.split_once(']')) else {
-        return Invalid::new("motion.recording.joints", message);
+        return Invalid::new(format!("motion.{field}.joints"), message);
     };
     // Joints of a recording are in model order, those of the wire where their names are.
     let joint: usize = joint.parse().unwrap_or(0);
     let name = robot.joints.get(joint).map_or("", |joint| joint.name.as_str());
-    let joints = wire.recording.iter().flat_map(|recording| &recording.joints);
+    let joints = recording.into_iter().flat_map(|recording| &recording.joints);
     let place = joints
         .map(|one| &one.joint)
         .position(|known| known == name)
         .unwrap_or(joint);
-    Invalid::new(format!("motion.recording.joints[{place}].{column}{rest}"), message)
+    Invalid::new(format!("motion.{field}.joints[{place}].{column}{rest}"), message)
 }
