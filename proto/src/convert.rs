@@ -146,6 +146,21 @@ impl Findings {
         }
     }
 
+    /// Checks every number of a measured series finite: one finding with their count, at the first. A sensor that fails leaves
+    /// thousands, which would crowd out every other finding.
+    pub fn finite_series(&mut self, path: Path<'_>, values: &[f64]) {
+        let Some(first) = values.iter().position(|value| !value.is_finite()) else {
+            return;
+        };
+        let count = values.iter().filter(|value| !value.is_finite()).count();
+        if count == 1 {
+            self.finite(path.index(first), values[first]);
+            return;
+        }
+        let message = format!("{} is not a finite number; the first of {count} places", values[first]);
+        self.push(path.index(first), message);
+    }
+
     /// A list of joint values: finite, one a joint where the count is known.
     pub fn joint_values(&mut self, path: Path<'_>, values: &[f64], joint_count: Option<usize>) {
         self.finite_list(path, values);

@@ -6,6 +6,7 @@ mod bad_inputs;
 mod bench;
 mod confidence;
 mod contract;
+mod fit_motion;
 mod inverse;
 mod limits;
 mod moves;

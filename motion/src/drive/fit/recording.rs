@@ -72,15 +72,13 @@ pub(crate) fn check(robot: &Robot, recording: &Recording, selection: &Selection)
             format!("{count} samples, the most is {FIT_SAMPLES_MAX}"),
         ));
     }
-    if let Some(i) = recording.time.iter().position(|t| !is_value(*t)) {
-        faults.push(Invalid::new(
-            format!("time[{i}]"),
-            format!("{} is no time stamp", recording.time[i]),
-        ));
+    if let Some((i, others)) = faulty(recording.time.iter(), |t| is_value(**t)) {
+        let message = format!("{} is no time stamp{others}", recording.time[i]);
+        faults.push(Invalid::new(format!("time[{i}]"), message));
     }
-    if let Some(i) = recording.time.windows(2).position(|pair| !increases(pair)) {
+    if let Some((i, others)) = faulty(recording.time.windows(2), |pair| increases(pair)) {
         let (before, after) = (recording.time[i], recording.time[i + 1]);
-        let message = format!("{after} s must be after {before} s, the sample before");
+        let message = format!("{after} s must be after {before} s, the sample before{others}");
         faults.push(Invalid::new(format!("time[{}]", i + 1), message));
     }
     check_series(robot, "position", &recording.position, count, &mut faults);
@@ -112,6 +110,16 @@ pub(crate) fn check(robot: &Robot, recording: &Recording, selection: &Selection)
     faults
 }
 
+/// The place of the first entry that is not sound, and what to say of how many there are.
+fn faulty<T>(entries: impl Iterator<Item = T> + Clone, is_sound: impl Fn(&T) -> bool) -> Option<(usize, String)> {
+    let first = entries.clone().position(|entry| !is_sound(&entry))?;
+    let others = match entries.filter(|entry| !is_sound(entry)).count() {
+        1 => String::new(),
+        count => format!("; the first of {count} places"),
+    };
+    Some((first, others))
+}
+
 fn check_series(robot: &Robot, name: &str, series: &[Vec<f64>], count: usize, faults: &mut Vec<Invalid>) {
     if series.len() != robot.joint_count() {
         let message = format!("{} joints, the arm has {}", series.len(), robot.joint_count());
@@ -122,8 +130,8 @@ fn check_series(robot: &Robot, name: &str, series: &[Vec<f64>], count: usize, fa
             let message = format!("{} values for {count} time stamps", values.len());
             faults.push(Invalid::new(format!("{name}[{j}]"), message));
         }
-        if let Some(i) = values.iter().position(|value| !is_value(*value)) {
-            let message = format!("{} must be a number up to {FIT_VALUE_MAX:e}", values[i]);
+        if let Some((i, others)) = faulty(values.iter(), |value| is_value(**value)) {
+            let message = format!("{} must be a number up to {FIT_VALUE_MAX:e}{others}", values[i]);
             faults.push(Invalid::new(format!("{name}[{j}][{i}]"), message));
         }
     }
@@ -210,6 +218,29 @@ mod tests {
         assert_eq!(identify.overlap(&part(Some((7.5, 12.0)))), Some((7.5, 8.0)));
         let test = part(Some((8.5, 12.0)));
         assert_eq!(part(None).overlap(&test), Some((8.5, 12.0)), "all of it is fitted");
+    }
+
+    #[test]
+    fn two_recordings_together_are_as_long_as_one_may_be() {
+        let of = |count: usize| Recording {
+            time: vec![0.0; count],
+            position: Vec::new(),
+            velocity: None,
+            effort: Effort::Torque(Vec::new()),
+        };
+        let (fitted, rest) = (of(10), FIT_SAMPLES_MAX - 10);
+        assert_eq!(fitted.too_long_with(&of(rest)), None);
+        let said = fitted.too_long_with(&of(rest + 1)).unwrap();
+        assert!(said.contains("999991 samples, with the 10 of"), "{said}");
+    }
+
+    #[test]
+    fn many_faults_of_a_series_are_one_with_their_count() {
+        let entries = [0.0, 2.0, 3.0, 2.5];
+        let said = |most: f64| faulty(entries.iter(), |value| **value <= most);
+        assert_eq!(said(3.0), None);
+        assert_eq!(said(2.5), Some((2, String::new())));
+        assert_eq!(said(1.0), Some((1, "; the first of 3 places".to_owned())));
     }
 
     #[test]

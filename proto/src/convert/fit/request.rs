@@ -160,13 +160,13 @@ fn check_apart(
 
 /// Reads a recording: joints in model order.
 fn read_recording(wire: &v1::Telemetry, at: Path<'_>, robot: &RobotSpec, findings: &mut Findings) -> Option<Recording> {
-    findings.finite_list(at.field("time_s"), &wire.time_s);
+    findings.finite_series(at.field("time_s"), &wire.time_s);
     let joints_at = at.field("joints");
     let joints = drive::in_model_order(&wire.joints, joints_at, robot, findings)?;
     let count = wire.time_s.len();
     let mut column = |name: &'static str, column: drive::Column| {
         for (index, one) in &joints {
-            findings.finite_list(joints_at.index(*index).field(name), column(one));
+            findings.finite_series(joints_at.index(*index).field(name), column(one));
         }
         drive::is_given(name, column, count, &joints, joints_at, findings)
             .then(|| joints.iter().map(|(_, one)| column(one).clone()).collect::<Vec<_>>())
