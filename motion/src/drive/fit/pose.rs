@@ -14,7 +14,9 @@ use super::unknowns::Unknowns;
 use crate::budget::{Budget, Stopped};
 use crate::dynamics::regressor::BODY;
 use crate::robot::Robot;
-use crate::tolerance::{POSE_BINS, POSE_SHARE_MIN, POSE_SHIFTS, UNSEEN_ERROR_RATIO, WRONG_BODY_RATIO};
+use crate::tolerance::{
+    POSE_BINS, POSE_SHARE_MIN, POSE_SHIFTS, UNEXPLAINED_ERROR, UNSEEN_ERROR_RATIO, WRONG_BODY_RATIO,
+};
 
 /// What of a residual goes with one joint's position.
 #[derive(Debug, Clone, Copy)]
@@ -113,6 +115,16 @@ pub(crate) fn warnings(robot: &Robot, unknowns: &Unknowns, fit: &MotionFit) -> V
     let (estimates, joints) = (&fit.estimates, &fit.joints);
     let mut warnings = Vec::new();
     let name_of = |joint: usize| robot.spec().joints[joint].name.as_str();
+    for (j, joint) in joints.iter().enumerate() {
+        if joint.validated_error > UNEXPLAINED_ERROR {
+            warnings.push(format!(
+                "joint \"{}\": {:.0} % of its torque is left on what was left out of the fit, which is hardly a model of it: units, directions \
+                 and the order of joints may not be those of the description, or it carried what nobody said",
+                name_of(j),
+                100.0 * joint.validated_error
+            ));
+        }
+    }
     for (j, joint) in joints.iter().enumerate() {
         if joint.pose_share > 0.0 {
             warnings.push(format!(

@@ -272,6 +272,19 @@ fn friction_on_a_wrong_body_is_warned_of() {
 }
 
 #[test]
+fn a_fit_that_is_no_model_of_a_torque_says_so_first() {
+    let mut recording = recording(&arm(), None, 0.05, 20.0, &mut 5);
+    // torques of two joints, one in the other's place
+    let Effort::Torque(torque) = &mut recording.effort else {
+        panic!("it has torques");
+    };
+    torque.swap(0, 2);
+    let fit = fitted(&described(|_| ()), &recording, &options(Scope::Friction, false));
+    let hardly = |warning: &String| warning.contains("hardly a model") && warning.contains(&fit.spec.joints[2].name);
+    assert!(fit.warnings.iter().take(2).any(hardly), "{:?}", fit.warnings);
+}
+
+#[test]
 fn rotors_come_back() {
     let truth = arm();
     let robot = described(|spec| spec.joints.iter_mut().for_each(|joint| joint.drive.rotor_inertia = 0.0));
