@@ -138,7 +138,7 @@ fn run_of(time: &[f64], selection: &Selection) -> Result<Range<usize>, Failure> 
             break;
         } else {
             let message = format!(
-                "a gap of {gap:.3} s, {longest:.3} s is the longest in a band of {} Hz",
+                "a gap of {gap:.3} s, {longest:.3} s is the longest in a band of {} Hz: select a part on one side of it",
                 selection.band
             );
             return Err(Failure::Invalid(vec![Invalid::new(
