@@ -86,6 +86,10 @@ pub(crate) const ONLINE_MEMORY: f64 = 6.0;
 /// Part of that memory within which a residual that has grown is followed: a quarter of a correlation time.
 pub(crate) const ONLINE_SOON: f64 = 1.0 / 24.0;
 
+/// What the deviation of a residual is taken to grow by where a joint has turned back, until its own turns have shown it: an error of friction changes its
+/// side, by twice its size, one of a body does not.
+pub(crate) const ONLINE_TURN: f64 = 1.5;
+
 /// Step of an online interval's θ: what half a period of the band with every sample outside adds to it. Smaller follows too late, larger makes
 /// the interval swing of itself. This and the two memories were chosen on logs of another arm than the one that is quoted; what others of them do there is in
 /// `docs/friction.md`.

@@ -7,7 +7,7 @@
 
 use super::design::{Design, check_size};
 use super::linear::dot;
-use super::online::{OnlineInterval, horizon_samples};
+use super::online::{OnlineInterval, Stated, horizon_samples};
 use super::recording::{self, Recording, Selection};
 use super::report::{Assessment, IntervalAssessment, JointAssessment, Scope};
 use super::signals::Signals;
@@ -71,7 +71,12 @@ pub fn assess(
                 let moving = stated.moving(rows.variance(covariance, unknowns.count(), sample));
                 let allowance = stated.allowance(signals.qd[j][sample]);
                 tallies[0].add(error.abs() <= moving + allowance, moving + allowance);
-                let foretold = watched.next(moving, allowance, *error);
+                let stated = Stated {
+                    half_width: moving,
+                    allowance,
+                    speed: signals.qd[j][sample],
+                };
+                let foretold = watched.next(stated, *error);
                 tallies[1].add(foretold.holds(*error), foretold.half_width);
             }
             [interval, online] = tallies.map(|tally| Some(tally.over(percentile)));

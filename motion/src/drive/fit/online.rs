@@ -12,6 +12,8 @@
 //! residual last from one moment to the next, and no fit knows them beforehand: where it lies (a body that is not right errs
 //! to one side for as long as the pose lasts) and how large it is. c and S follow them. That a residual has grown is believed sooner than that it has
 //! become small: of the two means the larger counts. They come from few independent errors, so they have a Student's T.
+//! What friction errs by changes its side where a joint turns back, what a body errs by does not: φ and S of the h samples after a turn are learnt
+//! apart from the others, beginning with no φ and more S.
 //! θ takes in what Student's distribution does not say: it is adaptive conformal inference (I. Gibbs, E. Candès, "Adaptive conformal inference
 //! under distribution shift", 2021; on a scale as in A. Angelopoulos et al., "Conformal PID control for time series prediction",
 //! 2023). Over n samples the part outside differs from α by at most the way of θ over γ·n and h/n,
@@ -20,13 +22,15 @@
 //! At a sample all is from residuals that are h samples old. Before the first, the interval is the model's. While a joint is at rest friction may
 //! be anything between its two directions: the interval has the allowance for that, and nothing is learnt.
 //!
-//! The state is 2·h samples and seven numbers, whatever was seen.
+//! The state is 2·h samples and a few numbers, whatever was seen.
 
 use std::collections::VecDeque;
 
 use crate::quantile;
 use crate::robot::spec::Residual;
-use crate::tolerance::{ONLINE_GAIN, ONLINE_HORIZON_BANDS, ONLINE_MEMORY, ONLINE_RATIO_MAX, ONLINE_SOON};
+use crate::tolerance::{
+    ONLINE_GAIN, ONLINE_HORIZON_BANDS, ONLINE_MEMORY, ONLINE_RATIO_MAX, ONLINE_SOON, ONLINE_TURN, REST_SPEED,
+};
 
 /// Samples by which an interval is foretold, at least one.
 pub(crate) fn horizon_samples(band: f64, period: f64) -> usize {
@@ -47,6 +51,17 @@ impl Foretold {
     }
 }
 
+/// What the model says of a sample, and how the joint moves there.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Stated {
+    /// Half width of the model's interval where the joint moves, N m or N.
+    pub(crate) half_width: f64,
+    /// What it is wider by at rest, N m or N.
+    pub(crate) allowance: f64,
+    /// rad/s or m/s.
+    pub(crate) speed: f64,
+}
+
 /// A sample that has been seen.
 #[derive(Debug, Clone, Copy)]
 struct Seen {
@@ -55,6 +70,8 @@ struct Seen {
     /// What was left of it beside the foretold middle.
     left: f64,
     missed: bool,
+    /// Whether the joint had turned back within the horizon.
+    turned: bool,
 }
 
 /// Mean of squares that is forgotten.
@@ -87,6 +104,35 @@ impl Mean {
     }
 }
 
+/// What is known of residuals of one kind: how the next goes with the last, and how large what is left of it is.
+#[derive(Debug, Clone, Copy)]
+struct Memory {
+    along: f64,
+    before: f64,
+    left: [Mean; 2],
+}
+
+impl Memory {
+    /// Over so many samples, as if they had all been correlated so and left one square.
+    fn over(samples: f64, correlation: f64, square: f64) -> Self {
+        Self {
+            along: correlation * samples,
+            before: samples,
+            left: [1.0, ONLINE_SOON].map(|part| Mean::over(part * samples, square)),
+        }
+    }
+
+    /// φ.
+    fn share(&self) -> f64 {
+        (self.along / self.before).clamp(-1.0, 1.0)
+    }
+
+    /// √(max S/N).
+    fn spread(&self) -> f64 {
+        self.left[0].value().max(self.left[1].value()).sqrt()
+    }
+}
+
 /// One joint's interval on its way along the samples.
 #[derive(Debug, Clone)]
 pub(crate) struct OnlineInterval {
@@ -103,10 +149,13 @@ pub(crate) struct OnlineInterval {
     normal: f64,
     /// Newest last, at most twice the horizon.
     seen: VecDeque<Seen>,
-    along: f64,
-    before: f64,
-    left: [Mean; 2],
+    /// Of motion in one direction, and of the time after a turn.
+    memories: [Memory; 2],
     theta: f64,
+    /// Direction of the last motion.
+    forwards: Option<bool>,
+    /// Samples since it changed.
+    since_turn: usize,
 }
 
 impl OnlineInterval {
@@ -117,6 +166,7 @@ impl OnlineInterval {
         // 1 in the exponent is half of what the correlation time adds up: one side of it
         let correlation = libm::exp(-2.0 * horizon as f64 * period / residual.correlation_time);
         let memory = (ONLINE_MEMORY * residual.correlation_time / period).max(1.0);
+        let square = 1.0 - correlation * correlation;
         Self {
             horizon,
             tail,
@@ -126,19 +176,23 @@ impl OnlineInterval {
             unit: quantile::student(2.0 * ONLINE_MEMORY, 0.5 * tail),
             normal: quantile::normal(0.5 * tail),
             seen: VecDeque::with_capacity(2 * horizon),
-            along: correlation * memory,
-            before: memory,
-            left: [1.0, ONLINE_SOON].map(|part| Mean::over(part * memory, 1.0 - correlation * correlation)),
+            memories: [
+                Memory::over(memory, correlation, square),
+                Memory::over(memory, 0.0, ONLINE_TURN * ONLINE_TURN * square),
+            ],
             theta: 0.0,
+            forwards: None,
+            since_turn: horizon,
         }
     }
 
-    /// Foretells the next sample, for which the model states a half width and an allowance for rest, and then takes in its error.
-    pub(crate) fn next(&mut self, stated: f64, allowance: f64, error: f64) -> Foretold {
-        let deviation = stated / self.normal;
-        let foretold = self.foretell(stated, deviation, allowance);
+    /// Foretells the next sample, and then takes in its error.
+    pub(crate) fn next(&mut self, stated: Stated, error: f64) -> Foretold {
+        let turned = self.turned(stated.speed);
+        let foretold = self.foretell(stated, turned);
+        let deviation = stated.half_width / self.normal;
         let ratio = error / deviation;
-        let is_told = allowance <= 0.0 && ratio.is_finite();
+        let is_told = stated.allowance <= 0.0 && ratio.is_finite();
         let left = (error - foretold.centre) / deviation;
         if self.seen.len() == 2 * self.horizon {
             self.seen.pop_front();
@@ -147,36 +201,50 @@ impl OnlineInterval {
             error: is_told.then(|| ratio.clamp(-ONLINE_RATIO_MAX, ONLINE_RATIO_MAX)),
             left: left.clamp(-ONLINE_RATIO_MAX, ONLINE_RATIO_MAX),
             missed: !foretold.holds(error),
+            turned,
         });
         foretold
     }
 
-    fn foretell(&mut self, stated: f64, deviation: f64, allowance: f64) -> Foretold {
+    /// Whether the joint has turned back, or begun to move, within the last horizon. Below the speed of rest it has no direction.
+    fn turned(&mut self, speed: f64) -> bool {
+        self.since_turn = self.since_turn.saturating_add(1);
+        let forwards = Some(speed > 0.0);
+        if speed.abs() >= REST_SPEED && forwards != self.forwards {
+            self.forwards = forwards;
+            self.since_turn = 0;
+        }
+        self.since_turn < self.horizon
+    }
+
+    fn foretell(&mut self, stated: Stated, turned: bool) -> Foretold {
         let Some(newest) = self.seen.len().checked_sub(self.horizon) else {
             return Foretold {
                 centre: 0.0,
-                half_width: stated + allowance,
+                half_width: stated.half_width + stated.allowance,
             };
         };
         let newest = self.seen[newest];
         if let Some(error) = newest.error {
             self.learn(error, newest);
         }
-        let share = (self.along / self.before).clamp(0.0, 1.0);
-        let spread = self.left[0].value().max(self.left[1].value()).sqrt() * libm::exp(self.theta);
+        let memory = &self.memories[usize::from(turned)];
+        let deviation = stated.half_width / self.normal;
+        let spread = memory.spread() * libm::exp(self.theta);
         Foretold {
-            centre: share * newest.error.unwrap_or(0.0) * deviation,
-            half_width: self.unit * spread * deviation + allowance,
+            centre: memory.share() * newest.error.unwrap_or(0.0) * deviation,
+            half_width: self.unit * spread * deviation + stated.allowance,
         }
     }
 
     fn learn(&mut self, error: f64, newest: Seen) {
         let earlier = (self.seen.len() == 2 * self.horizon).then(|| self.seen[0].error);
+        let memory = &mut self.memories[usize::from(newest.turned)];
         if let Some(earlier) = earlier.flatten() {
-            self.along = self.keep * self.along + error * earlier;
-            self.before = self.keep * self.before + earlier * earlier;
+            memory.along = self.keep * memory.along + error * earlier;
+            memory.before = self.keep * memory.before + earlier * earlier;
         }
-        for mean in &mut self.left {
+        for mean in &mut memory.left {
             mean.add(newest.left);
         }
         let missed = f64::from(u8::from(newest.missed));

@@ -1,5 +1,7 @@
 //! Online intervals of residuals whose truth is known.
 
+use std::f64::consts::PI;
+
 use super::*;
 use crate::drive::fit::filter::LowPass;
 use crate::test_arms::random;
@@ -8,6 +10,16 @@ const BAND: f64 = 5.0;
 const PERIOD: f64 = 0.01;
 const CONFIDENCE: f64 = 0.95;
 const STATED: f64 = 1.96;
+const MOVING: Stated = Stated {
+    half_width: STATED,
+    allowance: 0.0,
+    speed: 1.0,
+};
+const RESTING: Stated = Stated {
+    half_width: STATED,
+    allowance: 5.0,
+    speed: 0.0,
+};
 
 /// What can be wrong with a residual.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,7 +97,7 @@ fn run(errors: &[f64]) -> (f64, f64) {
     let mut online = interval();
     let (mut within, mut widths) = (0.0, 0.0);
     for error in errors {
-        let foretold = online.next(STATED, 0.0, *error);
+        let foretold = online.next(MOVING, *error);
         within += f64::from(u8::from(foretold.holds(*error)));
         widths += foretold.half_width;
     }
@@ -141,6 +153,54 @@ fn short_runs_are_covered_no_less_evenly_than_by_a_constant_interval() {
     }
 }
 
+/// A Coulomb torque that is wrong by twice the noise's deviation, on a joint that turns back every second: 93 to 98 % are within all along, and no fewer than
+/// 90 % of the samples within the horizon of a turn.
+#[test]
+fn what_friction_errs_by_is_foretold_across_reversals() {
+    for seed in 0..12 {
+        let count = 6000;
+        let speed = |k: usize| libm::sin(PI * PERIOD * k as f64);
+        let mut errors: Vec<f64> = (0..count).map(|k| 2.0 * speed(k).signum()).collect();
+        LowPass::new(BAND, PERIOD).apply(&mut errors);
+        let noise = residual(Kind::Normal, count, &mut (900 + seed));
+        errors.iter_mut().zip(&noise).for_each(|(e, x)| *e += x);
+        let mut online = interval();
+        let (mut within, mut turned) = (0, Vec::new());
+        for (k, error) in errors.iter().enumerate() {
+            let stated = Stated {
+                speed: speed(k),
+                ..MOVING
+            };
+            let holds = online.next(stated, *error).holds(*error);
+            within += usize::from(holds);
+            if online.since_turn < online.horizon && k > count / 10 {
+                turned.push(f64::from(u8::from(holds)));
+            }
+        }
+        let within = within as f64 / count as f64;
+        assert!((0.93..=0.98).contains(&within), "{seed}: {within}");
+        let turned = turned.iter().sum::<f64>() / turned.len() as f64;
+        assert!(turned > 0.9, "{seed}: {turned}");
+    }
+}
+
+/// A joint that trembles below the speed of rest does not turn back; one that goes on the same way after a rest does not either.
+#[test]
+fn a_joint_turns_back_only_where_it_moves() {
+    let mut online = interval();
+    let mut turned = |speed: f64| online.turned(speed);
+    assert!(turned(1.0));
+    for _ in 0..100 {
+        turned(1.0);
+    }
+    for k in 0..100 {
+        let trembling = if k % 2 == 0 { 0.01 } else { -0.01 };
+        assert!(!turned(trembling));
+    }
+    assert!(!turned(0.5));
+    assert!(turned(-0.5));
+}
+
 /// The bound of adaptive conformal inference holds for residuals made to break it: it jumps by a factor of ten every second.
 #[test]
 fn a_residual_that_jumps_is_covered_within_the_bound() {
@@ -152,7 +212,7 @@ fn a_residual_that_jumps_is_covered_within_the_bound() {
     let (mut outside, gain) = (0.0, online.gain);
     let mut thetas = vec![online.theta];
     for error in &errors {
-        outside += f64::from(u8::from(!online.next(STATED, 0.0, *error).holds(*error)));
+        outside += f64::from(u8::from(!online.next(MOVING, *error).holds(*error)));
         thetas.push(online.theta);
     }
     let way = thetas[errors.len()] - thetas[0];
@@ -168,7 +228,7 @@ fn nothing_younger_than_the_horizon_is_known() {
     let errors = residual(Kind::Normal, 400, &mut 3);
     let widths = |errors: &[f64]| -> Vec<(f64, f64)> {
         let mut online = interval();
-        let foretold = errors.iter().map(|error| online.next(STATED, 0.0, *error));
+        let foretold = errors.iter().map(|error| online.next(MOVING, *error));
         foretold
             .map(|foretold| (foretold.centre, foretold.half_width))
             .collect()
@@ -188,20 +248,26 @@ fn at_rest_the_allowance_is_added_and_nothing_is_learnt() {
     let errors = residual(Kind::Normal, 300, &mut 4);
     let mut online = interval();
     for error in &errors {
-        online.next(STATED, 0.0, *error);
+        online.next(MOVING, *error);
     }
     // what the last samples of motion say comes in a horizon later
     for _ in 0..online.horizon {
-        online.next(STATED, 5.0, 4.0);
+        online.next(RESTING, 4.0);
     }
     let before = online.clone();
     for _ in 0..1000 {
-        let foretold = online.next(STATED, 5.0, 4.0);
+        let foretold = online.next(RESTING, 4.0);
         assert!(foretold.half_width > 5.0 && foretold.centre == 0.0);
     }
     assert_eq!(
-        (before.left.map(|mean| mean.value()), before.along, before.theta),
-        (online.left.map(|mean| mean.value()), online.along, online.theta)
+        (
+            before.memories.map(|memory| (memory.spread(), memory.share())),
+            before.theta
+        ),
+        (
+            online.memories.map(|memory| (memory.spread(), memory.share())),
+            online.theta
+        )
     );
 }
 
@@ -214,13 +280,20 @@ fn nothing_that_is_fed_breaks_it() {
     let mut online = interval();
     for _ in 0..20_000 {
         let of = |values: [f64; 5], state: &mut u64| values[((2.5 * (random(state) + 1.0)) as usize).min(4)];
-        let foretold = online.next(of(stated, state), 0.0, of(errors, state));
+        let foretold = online.next(
+            Stated {
+                half_width: of(stated, state),
+                speed: of(errors, state),
+                ..MOVING
+            },
+            of(errors, state),
+        );
         assert!(foretold.centre.is_finite() && foretold.half_width.is_finite());
         assert!(online.seen.len() <= 2 * online.horizon);
     }
     let mut still = interval();
     for _ in 0..100_000 {
-        still.next(STATED, 0.0, 0.0);
+        still.next(MOVING, 0.0);
     }
-    assert!(still.next(STATED, 0.0, 1.0).half_width.is_finite());
+    assert!(still.next(MOVING, 1.0).half_width.is_finite());
 }
