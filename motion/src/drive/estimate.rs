@@ -76,9 +76,20 @@ pub struct FrictionEstimator {
     sources: Option<(Signals, Combination)>,
     /// Time of the last sample taken.
     time: Option<f64>,
+    /// Since then, samples of a clock that is behind.
+    behind: Option<Behind>,
     sample_count: u64,
     skipped: SkippedSamples,
     scratch: Scratch,
+}
+
+/// Samples whose clock is behind that of the last sample taken.
+#[derive(Debug, Clone, Copy, Default)]
+struct Behind {
+    /// Time of the last of them.
+    time: f64,
+    /// How long they have come in order, s.
+    seconds: f64,
 }
 
 /// Working memory, without meaning between samples.
@@ -149,6 +160,7 @@ impl FrictionEstimator {
             joints,
             sources: None,
             time: None,
+            behind: None,
             sample_count: 0,
             skipped: SkippedSamples::default(),
         })

@@ -15,6 +15,10 @@ pub(crate) const TELEMETRY_TORQUE_MAX: f64 = 1.0e7;
 /// Largest time of a sample, s: three hundred years on any clock. One sample beyond would make all others late.
 pub(crate) const TELEMETRY_TIME_MAX: f64 = 1.0e10;
 
+/// How long samples must come in order behind the last one before their clock is believed, s: no network holds samples back for so long, and a
+/// stream loses no more of them when a clock is set.
+pub(crate) const TELEMETRY_CLOCK_SET: f64 = 1.0;
+
 /// What times between samples are whole multiples of, s: 60 ns, a twentieth of what a drive's clock resolves, and 6e-5 of a
 /// millisecond at most. A power of two, so that multiples are exact.
 pub(crate) const TELEMETRY_STEP_GRID: f64 = 1.0 / 16_777_216.0;

@@ -26,9 +26,9 @@ pub struct SkippedSamples {
     pub not_finite: u64,
     /// A position, velocity or acceleration was beyond what any arm does.
     pub out_of_range: u64,
-    /// The time was not after that of the sample before.
+    /// The time was not after that of the sample before. After a second of such samples in order the clock is taken to have been set.
     pub time_went_backwards: u64,
-    /// Gaps: the sample came so late that filters had to start anew. It was taken in.
+    /// Gaps: the sample came so late, or its clock was set back, that filters had to start anew. It was taken in.
     pub gaps: u64,
 }
 

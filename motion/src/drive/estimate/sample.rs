@@ -8,14 +8,14 @@ use super::law;
 use super::least_squares::Worth;
 use super::observer::LagStep;
 use super::{
-    Combination, EstimatorMethod, FrictionEstimator, Memory, MotorTorqueSource, PositionSource, TERMS_MAX,
+    Behind, Combination, EstimatorMethod, FrictionEstimator, Memory, MotorTorqueSource, PositionSource, TERMS_MAX,
     TransmissionTorqueSource,
 };
 use crate::drive::telemetry::Telemetry;
 use crate::dynamics::rnea;
 use crate::tolerance::{
-    POSITION_MAX, TELEMETRY_ACCELERATION_MAX, TELEMETRY_STEP_GRID, TELEMETRY_STEP_MIN, TELEMETRY_TIME_MAX,
-    TELEMETRY_TORQUE_MAX, TELEMETRY_VELOCITY_MAX,
+    POSITION_MAX, TELEMETRY_ACCELERATION_MAX, TELEMETRY_CLOCK_SET, TELEMETRY_STEP_GRID, TELEMETRY_STEP_MIN,
+    TELEMETRY_TIME_MAX, TELEMETRY_TORQUE_MAX, TELEMETRY_VELOCITY_MAX,
 };
 
 enum Unreadable {
@@ -49,19 +49,33 @@ impl FrictionEstimator {
         let seconds = self
             .time
             .map(|last| libm::rint((time - last) / TELEMETRY_STEP_GRID) * TELEMETRY_STEP_GRID);
-        if seconds.is_some_and(|seconds| seconds < TELEMETRY_STEP_MIN) {
+        if seconds.is_some_and(|seconds| seconds < TELEMETRY_STEP_MIN) && !self.was_clock_set_back(time) {
             self.skipped.time_went_backwards += 1;
             return;
         }
+        self.behind = None;
         self.sample_count += 1;
         self.time = Some(time);
         match seconds {
-            Some(seconds) if seconds <= self.options.gap => self.go_on(seconds, given, combination),
+            Some(seconds) if (0.0..=self.options.gap).contains(&seconds) => self.go_on(seconds, given, combination),
             _ => {
                 self.skipped.gaps += u64::from(seconds.is_some());
-                self.restart(seconds, given, combination);
+                self.restart(seconds.map(|seconds| seconds.max(0.0)), given, combination);
             }
         }
+    }
+
+    /// Whether samples that are behind the last one have come in order for so long that it is the clock that was set, back or for one sample forward. Single
+    /// samples that come late are between others that do not.
+    fn was_clock_set_back(&mut self, time: f64) -> bool {
+        let seconds = match self.behind {
+            Some(behind) if (TELEMETRY_STEP_MIN..=self.options.gap).contains(&(time - behind.time)) => {
+                behind.seconds + time - behind.time
+            }
+            _ => 0.0,
+        };
+        self.behind = Some(Behind { time, seconds });
+        seconds >= TELEMETRY_CLOCK_SET
     }
 
     /// Reads a sample into the scratch, with everything reflected to the joints.

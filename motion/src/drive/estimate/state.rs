@@ -12,14 +12,14 @@ use super::kalman::Kalman;
 use super::least_squares::LeastSquares;
 use super::options::{EstimatorMethod, EstimatorOptions, FrictionSide};
 use super::report::{SkippedOfJoint, SkippedSamples};
-use super::{Combination, FrictionEstimator};
+use super::{Behind, Combination, FrictionEstimator};
 use crate::drive::telemetry::Signals;
 use crate::error::Invalid;
 use crate::robot::Robot;
 
 /// Layout of the numbers and what they are of; a state of another one is refused. 2: terms that the law does not have are
-/// taken off at the model's values.
-const VERSION: u32 = 2;
+/// taken off at the model's values. 3: samples of a clock that is behind.
+const VERSION: u32 = 3;
 
 /// What an estimator goes on from.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -164,6 +164,12 @@ impl FrictionEstimator {
         port.switch(&mut has_time);
         port.real(&mut time);
         self.time = has_time.then_some(time);
+        let mut is_behind = self.behind.is_some();
+        let Behind { mut time, mut seconds } = self.behind.unwrap_or_default();
+        port.switch(&mut is_behind);
+        port.real(&mut time);
+        port.real(&mut seconds);
+        self.behind = is_behind.then_some(Behind { time, seconds });
         port.count(&mut self.sample_count);
         let SkippedSamples {
             not_finite,

@@ -1,6 +1,6 @@
 //! Telemetry as it should not be.
 
-use super::arm::{Recording, feed, friction, options, two_links};
+use super::arm::{Recording, blocks, feed, friction, options, two_links};
 use super::*;
 use crate::test_arms::random;
 
@@ -103,6 +103,46 @@ fn one_absurd_time_does_not_end_the_stream() {
     let report = estimator.report();
     assert_eq!((report.skipped.out_of_range, report.sample_count), (2, 19_998));
     close(&report, &truth, 0.05);
+}
+
+/// A clock that is set back, and one that jumped forward for a sample, costs a second of samples, not all until the old time is reached. Nor does it matter
+/// whether the estimator was put away meanwhile.
+#[test]
+fn a_clock_that_was_set_costs_a_second() {
+    let robot = two_links();
+    let truth = [friction(4.0, 1.5), friction(2.0, 0.8)];
+    let mut telemetry = Recording::of(&robot, &truth).telemetry(0.0, 30.0);
+    telemetry.time[10_000..].iter_mut().for_each(|time| *time -= 3600.0);
+    telemetry.time[20_000] = 1.0e9;
+    let mut estimator = FrictionEstimator::new(robot.clone(), options()).unwrap();
+    for (index, block) in blocks(&telemetry, 2, 100).iter().enumerate() {
+        estimator.update(block, &Budget::unlimited()).unwrap();
+        if index % 7 == 0 {
+            estimator = FrictionEstimator::resume(robot.clone(), options(), &estimator.state()).unwrap();
+        }
+    }
+    let report = estimator.report();
+    let lost = report.skipped.time_went_backwards;
+    assert!((2000..=2004).contains(&lost), "{lost}");
+    // set back, forward, and back from there
+    assert_eq!((report.skipped.gaps, report.sample_count), (3, 30_000 - lost));
+    close(&report, &truth, 0.05);
+}
+
+/// Samples that a network brings late, among others in order, are left out and nothing else.
+#[test]
+fn late_samples_do_not_set_the_clock() {
+    let robot = two_links();
+    let truth = [friction(4.0, 1.5), friction(2.0, 0.8)];
+    let mut telemetry = Recording::of(&robot, &truth).telemetry(0.0, 20.0);
+    // every second one is half a second late
+    for index in (600..20_000).step_by(2) {
+        telemetry.time[index] -= 0.5;
+    }
+    let mut estimator = FrictionEstimator::new(robot, options()).unwrap();
+    feed(&mut estimator, &telemetry, 100);
+    let skipped = estimator.report().skipped;
+    assert_eq!((skipped.time_went_backwards, skipped.gaps), (9_700, 0));
 }
 
 #[test]
