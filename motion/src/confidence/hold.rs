@@ -1,9 +1,11 @@
 //! From a nominal plan to one that holds its torque limits with their bands.
 //!
-//! Each round tightens a joint's torque limit by the largest excess |τ| + b − T of the plan before. A slower plan has smaller
-//! torques and, where inertias are what is not known, smaller bands: what turns out to be set aside needlessly is given back.
+//! Each round sets aside of a joint's torque limit the band b that the plan before had where |τ| + b exceeds T most. A slower plan has smaller
+//! torques and, where inertias are what is not known, smaller bands: what turns out to be set aside needlessly is given back, and
+//! between what holds and what does not the middle is tried.
 //! Where a tightened limit leaves no plan, b is wide at another place than the torque: then the whole motion is slowed down, its
-//! speeds by a part λ and its accelerations by λ², to the largest λ that holds. No plan is returned that does not hold.
+//! speeds by a part λ and its accelerations by λ², to the largest λ that holds: the motion as it was, and the last one with tightened limits,
+//! and the faster of both is kept. No plan is returned that does not hold.
 
 use super::demand::{Demand, Tightest};
 use crate::budget::Stopped;
@@ -71,10 +73,51 @@ pub(crate) fn hold<P: Planner>(
     if nominal.demand.holds() {
         return Ok(Ok(nominal));
     }
-    let rates = nominal.demand.clone();
-    match tighten(planner, nominal, limits, &none)? {
-        Some(held) => Ok(Ok(held)),
-        None => slow_down(planner, &rates, &none),
+    let start = Pace::of(&nominal);
+    let rounds = tighten(planner, nominal, limits, &none)?;
+    if let Some(held) = rounds.held {
+        return Ok(Ok(held));
+    }
+    let as_it_was = slow_down(planner, &start, &none)?;
+    let Some(last) = rounds.short.filter(|last| last.aside != start.aside) else {
+        return Ok(as_it_was);
+    };
+    let tightened = slow_down(planner, &Pace::of(&last), &none)?;
+    Ok(match (as_it_was, tightened) {
+        (Ok(a), Ok(b)) if planner.duration(&b.plan) < planner.duration(&a.plan) => Ok(b),
+        (Err(_), Ok(b)) => Ok(b),
+        (as_it_was, _) => as_it_was,
+    })
+}
+
+/// What a motion is slowed down from: its rates at full speed, and what it left unused.
+struct Pace {
+    velocity: Vec<f64>,
+    acceleration: Vec<f64>,
+    aside: Vec<f64>,
+}
+
+impl Pace {
+    fn of<P>(held: &Held<P>) -> Self {
+        Self {
+            velocity: held.demand.peak_velocity.clone(),
+            acceleration: held.demand.peak_acceleration.clone(),
+            aside: held.aside.clone(),
+        }
+    }
+
+    fn slowed(&self, pace: f64) -> Tightening {
+        let scaled = |rates: &[f64], factor: f64| -> Vec<f64> {
+            let scaled = rates
+                .iter()
+                .map(|rate| if *rate > 0.0 { rate * factor } else { f64::INFINITY });
+            scaled.collect()
+        };
+        Tightening {
+            aside: self.aside.clone(),
+            velocity: scaled(&self.velocity, pace),
+            acceleration: scaled(&self.acceleration, pace * pace),
+        }
     }
 }
 
@@ -88,50 +131,58 @@ impl Tightening {
     }
 }
 
-/// Tightens torque limits, round by round; `None`, where that leaves no plan.
+/// How tightening went.
+struct Rounds<P> {
+    /// The fastest plan that holds.
+    held: Option<Held<P>>,
+    /// The last one that does not.
+    short: Option<Held<P>>,
+}
+
+/// Tightens torque limits, round by round.
 fn tighten<P: Planner>(
     planner: &mut P,
     nominal: Held<P::Plan>,
     limits: &[Option<f64>],
     none: &Tightening,
-) -> Result<Option<Held<P::Plan>>, Failure> {
-    let mut current = nominal;
-    let mut best: Option<Held<P::Plan>> = None;
+) -> Result<Rounds<P::Plan>, Failure> {
+    let mut rounds = Rounds {
+        held: None,
+        short: None,
+    };
+    let mut next = Some(nominal);
     let mut loosenings = 0;
     for _ in 0..CONFIDENT_ROUNDS {
+        let Some(current) = next else { break };
         let holds = current.demand.holds();
-        let aside = if holds {
-            loosened(&current)
-        } else {
-            Some(tightened(&current))
+        loosenings += usize::from(holds);
+        let aside = match &rounds.held {
+            _ if holds => loosened(&current).filter(|_| loosenings <= CONFIDENT_LOOSENINGS),
+            Some(held) => between(held, &current),
+            None => Some(tightened(&current)),
         };
-        if holds {
-            let faster = best
-                .as_ref()
-                .is_none_or(|best| planner.duration(&current.plan) < planner.duration(&best.plan));
-            if faster {
-                best = Some(current);
-            }
-            loosenings += 1;
-            if loosenings > CONFIDENT_LOOSENINGS {
-                break;
-            }
-        }
-        let Some(aside) = aside else { break };
-        let leaves_some = limits
-            .iter()
-            .zip(&aside)
-            .all(|(limit, aside)| limit.is_none_or(|limit| *aside < limit));
-        if !leaves_some {
-            break;
-        }
-        let tightening = Tightening { aside, ..none.clone() };
-        let Some(next) = planned(planner, &tightening)? else {
-            break;
+        let leaves_some = |aside: &Vec<f64>| {
+            let mut joints = limits.iter().zip(aside);
+            joints.all(|(limit, aside)| limit.is_none_or(|limit| *aside < limit))
         };
-        current = next;
+        next = match aside.filter(leaves_some) {
+            Some(aside) => planned(planner, &Tightening { aside, ..none.clone() })?,
+            None => None,
+        };
+        if !holds {
+            rounds.short = Some(current);
+            continue;
+        }
+        let duration = planner.duration(&current.plan);
+        if rounds
+            .held
+            .as_ref()
+            .is_none_or(|held| duration < planner.duration(&held.plan))
+        {
+            rounds.held = Some(current);
+        }
     }
-    Ok(best)
+    Ok(rounds)
 }
 
 /// What to set aside after a plan that does not hold.
@@ -143,9 +194,19 @@ fn tightened<P>(current: &Held<P>) -> Vec<f64> {
                 return *aside;
             }
             let band = current.demand.tightest[joint].map_or(0.0, |tightest| tightest.band);
-            aside + excess + BAND_AHEAD * band
+            // the excess alone would not do where the torque there is not at its limit
+            band.max(aside + excess) + BAND_AHEAD * band
         })
         .collect()
+}
+
+/// What to set aside after one plan that holds and one that set aside too little; `None`, where they are next to each other.
+fn between<P>(held: &Held<P>, short: &Held<P>) -> Option<Vec<f64>> {
+    let joints = || held.aside.iter().zip(&short.aside);
+    let is_apart = |(held, short): (&f64, &f64)| (held - short).abs() > CONFIDENT_SLACK * held.max(*short);
+    joints()
+        .any(is_apart)
+        .then(|| joints().map(|(held, short)| 0.5 * (held + short)).collect())
 }
 
 /// What to set aside after a plan that holds; `None`, where there is nothing to give back.
@@ -165,21 +226,9 @@ fn loosened<P>(current: &Held<P>) -> Option<Vec<f64>> {
     Some(given_back.collect())
 }
 
-/// Slows the motion down as a whole until limits hold, by halving the range of speeds that may. `nominal` is what the plan asks at
-/// full speed.
-fn slow_down<P: Planner>(planner: &mut P, nominal: &Demand, none: &Tightening) -> Result<Settled<P::Plan>, Failure> {
-    let scaled = |rates: &[f64], factor: f64| -> Vec<f64> {
-        let scaled = rates
-            .iter()
-            .map(|rate| if *rate > 0.0 { rate * factor } else { f64::INFINITY });
-        scaled.collect()
-    };
-    let at = |pace: f64| Tightening {
-        aside: none.aside.clone(),
-        velocity: scaled(&nominal.peak_velocity, pace),
-        acceleration: scaled(&nominal.peak_acceleration, pace * pace),
-    };
-    let slowest = match planned(planner, &at(CONFIDENT_SLOWEST))? {
+/// Slows a motion down as a whole until limits hold, by halving the range of speeds that may.
+fn slow_down<P: Planner>(planner: &mut P, from: &Pace, none: &Tightening) -> Result<Settled<P::Plan>, Failure> {
+    let slowest = match planned(planner, &from.slowed(CONFIDENT_SLOWEST))? {
         Some(slowest) => Some(slowest),
         None => planned(planner, none)?,
     };
@@ -194,7 +243,7 @@ fn slow_down<P: Planner>(planner: &mut P, nominal: &Demand, none: &Tightening) -
     let (mut low, mut high) = (CONFIDENT_SLOWEST, 1.0);
     for _ in 0..CONFIDENT_HALVINGS {
         let middle = libm::sqrt(low * high);
-        match planned(planner, &at(middle))? {
+        match planned(planner, &from.slowed(middle))? {
             Some(slower) if slower.demand.holds() => (low, held) = (middle, slower),
             _ => high = middle,
         }

@@ -160,6 +160,27 @@ fn a_higher_level_costs_more_torque_and_time() {
     }
 }
 
+/// A little more confidence costs a little more time, also where bands are as wide as a fit to a short log leaves them and are widest where the torque is
+/// not at its limit.
+#[test]
+fn a_little_more_confidence_costs_a_little_more_time() {
+    for seed in 0..30 {
+        let robot = robot(uncertain(random_arm(6, seed), 0.4, 0.08, seed));
+        let state = &mut (seed + 11);
+        let asked = request(&values(6, 1.5, state), &values(6, 1.5, state));
+        let mut before: Option<f64> = None;
+        for level in [0.8, 0.83, 0.86, 0.88, 0.9, 0.92, 0.93, 0.94, 0.95] {
+            let answer = plan_move(&robot, &asked, sample(level), &Budget::unlimited()).unwrap();
+            let MoveOutcome::Plan(plan) = answer.outcome else { break };
+            if let Some(before) = before {
+                let part = plan.duration / before;
+                assert!((0.995..1.1).contains(&part), "{seed} {level}: {part}");
+            }
+            before = Some(plan.duration);
+        }
+    }
+}
+
 #[test]
 fn what_cannot_be_held_at_a_level_is_refused_with_the_band() {
     // 8 kg ± 1.5 kg want 80 N and a band of 29 N to be held

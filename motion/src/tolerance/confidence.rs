@@ -25,13 +25,13 @@ pub(crate) const BAND_RESERVE: f64 = 1.0e-2;
 /// moment elsewhere, and needs fewer rounds so.
 pub(crate) const BAND_AHEAD: f64 = 5.0e-3;
 
-/// Most plans that are made one after the other until torque limits hold at a confidence; four are usual.
+/// Most plans that are made one after the other until torque limits hold at a confidence; five are usual.
 pub(crate) const CONFIDENT_ROUNDS: usize = 10;
 
 /// How often a plan that holds is tried again with what it left unused, and what it must have left, as part of the torque set
-/// aside: once brings what there is.
-pub(crate) const CONFIDENT_LOOSENINGS: usize = 2;
-pub(crate) const CONFIDENT_SLACK: f64 = 0.05;
+/// aside: that costs some thousandths of the duration.
+pub(crate) const CONFIDENT_LOOSENINGS: usize = 3;
+pub(crate) const CONFIDENT_SLACK: f64 = 0.02;
 
 /// The lowest part of the nominal speed that is tried before a confidence is refused: forces of motion are then 4e-4 of what they
 /// were.

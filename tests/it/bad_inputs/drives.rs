@@ -141,7 +141,7 @@ fn estimates() -> Vec<Row> {
             "a state of another robot",
             |m| {
                 m.state = Some(v1::FrictionState {
-                    version: 2,
+                    version: 3,
                     reals: vec![1.0; 3],
                     counts: vec![1; 3],
                 });
