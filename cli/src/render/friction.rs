@@ -67,7 +67,7 @@ fn outcome(joint: &v1::FrictionEstimate, one: &v1::FrictionCoefficient) -> (Cell
             let why = match committed == 0.0 && one.value < 0.0 {
                 true if one.upper < 0.0 => "below 0 for certain: has the torque the right sign?",
                 true => "friction is never below 0",
-                false if committed.to_bits() != one.value.to_bits() => "fitted to another term's 0",
+                false if committed.to_bits() != one.value.to_bits() => "fitted to another term's bound, see warnings",
                 false => "",
             };
             (Cell::new(number(committed, 4), Tone::Good), why)

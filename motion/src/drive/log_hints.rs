@@ -9,7 +9,7 @@
 //! ```
 //!
 //! where τ is the mean torque of two windows and m what the model takes (rigid body, rotor, friction) at the position between them, with
-//! velocity and acceleration from differences. Positions and speeds are held against their limits besides. Every hint is a
+//! velocity and acceleration from differences. Positions, speeds and torques are held against their limits besides. Every hint is a
 //! question to whoever made the log: nothing is converted, refused or left out for it.
 
 mod say;
@@ -19,7 +19,7 @@ use super::telemetry::Telemetry;
 use crate::budget::{Budget, Stopped};
 use crate::dynamics::{self, Workspace};
 use crate::robot::Robot;
-use crate::tolerance::{BUDGET_STRIDE, LOG_WINDOW};
+use crate::tolerance::{BUDGET_STRIDE, LOG_TORQUE_EXCESS, LOG_WINDOW};
 
 /// What is seen of a log as it comes.
 #[derive(Debug)]
@@ -67,8 +67,17 @@ struct Sums {
     lowest: f64,
     highest: f64,
     fastest: f64,
+    strongest: Strongest,
     speed: Pair,
     torque: Pair,
+}
+
+/// The largest torque, and when it was; how many samples are beyond what the drive gives.
+#[derive(Debug, Clone, Copy, Default)]
+struct Strongest {
+    torque: f64,
+    time: f64,
+    beyond: u32,
 }
 
 /// Sums of products of two signals.
@@ -98,6 +107,7 @@ impl Default for Sums {
             lowest: f64::INFINITY,
             highest: f64::NEG_INFINITY,
             fastest: 0.0,
+            strongest: Strongest::default(),
             speed: Pair::default(),
             torque: Pair::default(),
         }
@@ -214,7 +224,13 @@ impl LogHints {
             self.restart(None);
             return;
         }
-        for (joint, sums) in self.joints.iter_mut().enumerate() {
+        for ((joint, sums), spec) in self.joints.iter_mut().enumerate().zip(&self.robot.spec().joints) {
+            let torque = row.torque.get(joint).map_or(0.0, |torque| torque.abs());
+            if torque.is_finite() && torque > sums.strongest.torque {
+                (sums.strongest.torque, sums.strongest.time) = (torque, row.time);
+            }
+            let most = spec.drive.peak_torque.map(|peak| LOG_TORQUE_EXCESS * peak);
+            sums.strongest.beyond += u32::from(most.is_some_and(|most| torque > most));
             sums.lowest = sums.lowest.min(row.position[joint]);
             sums.highest = sums.highest.max(row.position[joint]);
             let speed = row.velocity.get(joint).map_or(0.0, |qd| qd.abs());

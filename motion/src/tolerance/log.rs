@@ -22,6 +22,10 @@ pub(crate) const LOG_RANGE_EXCESS: f64 = 0.5;
 /// What a speed is over its limit when it is another unit: overshoot and noise stay below.
 pub(crate) const LOG_SPEED_EXCESS: f64 = 3.0;
 
+/// What a torque is over the drive's peak when it is another unit or a broken sample: drives overshoot by less, and peak torques in
+/// descriptions are right within that.
+pub(crate) const LOG_TORQUE_EXCESS: f64 = 5.0;
+
 /// How far what was converted may be beyond its limit, over it: encoders and overshoot.
 pub(crate) const LOG_WITHIN: f64 = 0.05;
 

@@ -170,7 +170,11 @@ impl JointEstimate {
                 constant: 2.0 * limit * self.held_quadratic,
                 says: format!(
                     "the friction that was estimated falls with speed below the limit of {limit:?}: it is level there, and the other terms are \
-                     fitted to that"
+                     fitted to that{}",
+                    match quadratic {
+                        Some(_) => "",
+                        None => "; the model's quadratic term stays, have it estimated too where viscous friction has become less",
+                    }
                 ),
             });
         }

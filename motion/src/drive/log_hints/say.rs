@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 use super::{LogHints, Pair, Sums};
 use crate::robot::spec::{JointKind, JointSpec};
 use crate::tolerance::{
-    LOG_CORRELATION_MIN, LOG_RANGE_EXCESS, LOG_RATIO_SLACK, LOG_SPEED_EXCESS, LOG_STEP_MAX, LOG_WINDOWS_MIN, LOG_WITHIN,
+    LOG_CORRELATION_MIN, LOG_RANGE_EXCESS, LOG_RATIO_SLACK, LOG_SPEED_EXCESS, LOG_STEP_MAX, LOG_TORQUE_EXCESS,
+    LOG_WINDOWS_MIN, LOG_WITHIN,
 };
 
 const DEGREES_IN_RADIAN: f64 = 180.0 / PI;
@@ -21,6 +22,7 @@ enum Suspicion {
     VelocityUnit,
     VelocitySign,
     TorqueSign,
+    TorqueBeyond,
 }
 
 impl Pair {
@@ -64,6 +66,7 @@ impl LogHints {
             Suspicion::VelocityUnit,
             Suspicion::VelocitySign,
             Suspicion::TorqueSign,
+            Suspicion::TorqueBeyond,
         ];
         let with = |kind| {
             found
@@ -154,6 +157,16 @@ impl LogHints {
                 self.columns.torque,
                 sums.torque.correlation()
             ),
+            Suspicion::TorqueBeyond => format!(
+                "{who}: the `{}` of \"{}\" is {:.4e} at the joint at {:.3} s, its peak torque {} (samples beyond {LOG_TORQUE_EXCESS} times that: {}): \
+                 is it in another unit, or broken? It is taken as it is",
+                self.columns.torque,
+                spec.name,
+                sums.strongest.torque,
+                sums.strongest.time,
+                bound(spec.drive.peak_torque),
+                sums.strongest.beyond,
+            ),
         }
     }
 }
@@ -201,6 +214,9 @@ fn suspicion(sums: &Sums, spec: &JointSpec) -> Option<Suspicion> {
     }
     if ratio.is_some_and(|ratio| is_near(ratio, -1.0)) {
         return Some(Suspicion::VelocitySign);
+    }
+    if sums.strongest.beyond > 0 {
+        return Some(Suspicion::TorqueBeyond);
     }
     let against = sums.torque.is_alike() && sums.torque.correlation() < 0.0;
     against.then_some(Suspicion::TorqueSign)

@@ -79,6 +79,35 @@ fn a_log_as_it_should_be_is_nothing_to_speak_of() {
     );
 }
 
+/// One broken sample ruins a fit, and milli newton metres do too.
+#[test]
+fn torques_that_no_drive_gives_are_named_with_the_time() {
+    let with_torque = |change: &dyn Fn(&mut Vec<f64>)| {
+        said(|log| {
+            let Effort::Torque(torque) = &mut log.effort else {
+                return;
+            };
+            change(&mut torque[1]);
+        })
+    };
+    let peak = arm().spec().joints[1].drive.peak_torque.unwrap();
+    assert_eq!(with_torque(&|torque| torque[700] = 4.0 * peak), [""; 0]);
+    for (change, parts) in [
+        (
+            &(|torque: &mut Vec<f64>| torque[700] = -1.0e5) as &dyn Fn(&mut Vec<f64>),
+            ["`torque`", "1.0000e5", "at 2.800 s", ": 1):"],
+        ),
+        (
+            &|torque| scale(torque, 1000.0),
+            ["`torque`", "at the joint", "peak torque", "another unit"],
+        ),
+    ] {
+        let said = with_torque(change);
+        assert_eq!(said.len(), 1, "{said:?}");
+        assert!(parts.iter().all(|part| said[0].contains(part)), "{said:?}");
+    }
+}
+
 #[test]
 fn each_mistake_is_named_with_its_joints_and_column() {
     const DEGREES: f64 = 57.295_779_513_082_32;
