@@ -35,6 +35,18 @@ pub(crate) fn report(reply: &v1::CheckTrajectoryResponse, robot: &v1::Robot, ter
         paint("duration  ", Tone::Bold, colour),
         reply.duration_s
     );
+    let is_curve = matches!(
+        reply.interpolation(),
+        v1::Interpolation::Cubic | v1::Interpolation::Quintic
+    );
+    if broken > 0 && is_curve {
+        let _ = writeln!(
+            out,
+            "{}  the curve is drawn through the points: where a plan without jerk limits lets the acceleration jump between two of them it overshoots, and \
+             the plan itself does not; a shorter period or jerk limits bring both together",
+            paint("note      ", Tone::Bold, colour),
+        );
+    }
     if let Some(report) = &reply.confidence {
         let (name, text, tone) = confidence::fact(report, None);
         let _ = writeln!(

@@ -63,7 +63,7 @@ impl Teacher<'_> {
         if gap > 0.0 {
             let suggestion = format!(
                 "the segment leaves the arm's reach after {percent:.2} % of its way, by up to {gap:.6} {unit}; move the \
-                 taught points closer, or the tool's orientation to one that the arm can take"
+                 taught points to where the arm reaches, or the tool's orientation to one that the arm can take"
             );
             return evidence(PathInfeasibleReason::OutOfReach, gap, 0.0, suggestion);
         }

@@ -74,6 +74,11 @@ pub(crate) const STUDENT_SCALE_RANGE: f64 = 3.0;
 /// uncertain by it.
 pub(crate) const REST_SPEED: f64 = 0.02;
 
+/// Time over which a joint's way is held against [`REST_SPEED`], s, and part of a recording that an arm may stand still at its ends without a remark: a start and a
+/// stop of an exciting motion are shorter.
+pub(crate) const STANDSTILL_WINDOW: f64 = 0.1;
+pub(crate) const STANDSTILL_PART: f64 = 0.05;
+
 /// How far ahead an online interval is foretold, in periods of the band. The filter is without delay and reaches forwards as far as
 /// backwards: a sample's own deviation comes into residuals one period older with 3 % of its size, into newer ones with up to
 /// all of it. It is also how long a contact has to stand out before the interval follows it.

@@ -110,10 +110,12 @@ pub(crate) fn fit_drive(
                 (Part::Identify, &read.recording, Some(&read.options.selection)),
                 (Part::Test, read.compared(), read.test.as_ref()),
             ];
-            let short = parts
-                .into_iter()
-                .filter_map(|(part, recording, selection)| recording.shortfall(selection?, part.range_field()));
-            answer.warnings.extend(short);
+            for (part, recording, selection) in parts {
+                let Some(selection) = selection else { continue };
+                let name = part.range_field();
+                answer.warnings.extend(recording.shortfall(selection, name));
+                answer.warnings.extend(recording.standstill(selection, name));
+            }
             answer.before = to_wire(before);
             answer.after = to_wire(test(&fitted)?);
             if !finite::fit(&answer) {

@@ -3,7 +3,10 @@
 use crate::drive::fit::report::BAND_DEFAULT;
 use crate::error::Invalid;
 use crate::robot::Robot;
-use crate::tolerance::{FIT_BAND_MAX, FIT_BAND_MIN, FIT_SAMPLES_MAX, FIT_VALUE_MAX, RANGE_SLACK};
+use crate::tolerance::{
+    FIT_BAND_MAX, FIT_BAND_MIN, FIT_SAMPLES_MAX, FIT_VALUE_MAX, RANGE_SLACK, REST_SPEED, STANDSTILL_PART,
+    STANDSTILL_WINDOW,
+};
 
 /// What the drives did over some time: joints in model order, one value a sample in each of them.
 #[derive(Debug, Clone, PartialEq)]
@@ -184,6 +187,40 @@ impl Recording {
         })
     }
 
+    /// Where the arm stands still at the ends of a part for long, in a sentence; `name` is that of the part. A torque at rest is anything within friction:
+    /// it is an error that no model is to blame for.
+    #[must_use]
+    pub fn standstill(&self, selection: &Selection, name: &str) -> Option<String> {
+        let (from, to) = selection.range.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+        let begin = self.time.partition_point(|time| *time < from);
+        let end = self.time.partition_point(|time| *time <= to);
+        let time = self.time.get(begin..end).filter(|time| time.len() > 1)?;
+        let (first, last) = (time[0], time[time.len() - 1]);
+        let (mut sets_out, mut arrives) = (None, first);
+        let mut before = 0;
+        for now in 1..time.len() {
+            let seconds = time[now] - time[before];
+            if seconds < STANDSTILL_WINDOW {
+                continue;
+            }
+            let is_moving = |q: &Vec<f64>| (q[begin + now] - q[begin + before]).abs() > REST_SPEED * seconds;
+            if self.position.iter().any(is_moving) {
+                sets_out = sets_out.or(Some(time[before]));
+                arrives = time[now];
+            }
+            before = now;
+        }
+        let sets_out = sets_out?;
+        let still = (sets_out - first) + (last - arrives);
+        (still > STANDSTILL_PART * (last - first)).then(|| {
+            format!(
+                "{name}: the arm stands still for {still:.1} of these {:.1} s, where torques may be anything within friction: it moves from \
+                 {sets_out:.1} to {arrives:.1} s",
+                last - first
+            )
+        })
+    }
+
     /// Torques at the joints, N m or N; the arm must have its torque constants where currents were recorded.
     pub(crate) fn torque(&self, robot: &Robot) -> Vec<Vec<f64>> {
         match &self.effort {
@@ -241,6 +278,35 @@ mod tests {
         assert_eq!(said(3.0), None);
         assert_eq!(said(2.5), Some((2, String::new())));
         assert_eq!(said(1.0), Some((1, "; the first of 3 places".to_owned())));
+    }
+
+    /// Two seconds of rest, 4.7 of motion with a rest in it, which is the motion's own, and rest again; encoders tremble.
+    #[test]
+    fn an_arm_that_stands_still_at_the_ends_of_a_part_is_said() {
+        let time: Vec<f64> = (0..9000).map(|k| 1e-3 * f64::from(k)).collect();
+        let position = |t: &f64| {
+            let moved = (t - 2.0).clamp(0.0, 6.0);
+            0.3 * libm::sin(2.0 * moved).max(0.0) + 1e-4 * libm::sin(1e4 * t)
+        };
+        let recording = Recording {
+            position: vec![vec![0.4; 9000], time.iter().map(position).collect()],
+            time,
+            velocity: None,
+            effort: Effort::Torque(Vec::new()),
+        };
+        let said = |range| recording.standstill(&part(range), "test");
+        let whole = said(None).unwrap();
+        assert!(
+            whole.starts_with("test: the arm stands still for 4.2 of these 9.0 s"),
+            "{whole}"
+        );
+        assert!(whole.ends_with("it moves from 1.9 to 6.8 s"), "{whole}");
+        assert_eq!(said(Some((2.0, 6.7))), None);
+        assert_eq!(
+            said(Some((0.0, 1.5))),
+            None,
+            "what never moves is told by what is missing"
+        );
     }
 
     #[test]
