@@ -57,7 +57,8 @@ pub(crate) async fn run(args: SetpointsArgs, client: &Client, io: &mut Io) -> Re
         sample_period_s: args.sample_period,
         chunk_points: args.chunk,
     };
-    let mut stream = client.stream_setpoints(request).await?;
+    let stream = client.stream_setpoints(request).await;
+    let mut stream = stream.map_err(without_period)?;
     let header = stream.header().clone();
     let refusal = refusal(&args, &header, client, io).await?;
     if args.json {
@@ -85,6 +86,18 @@ pub(crate) async fn run(args: SetpointsArgs, client: &Client, io: &mut Io) -> Re
         is_first = false;
     }
     Ok(exit::OK)
+}
+
+/// Why there is no stream; where it has no period, how to give one.
+fn without_period(error: takt_client::Error) -> Failure {
+    let is_period = error
+        .violations()
+        .iter()
+        .any(|one| one.field.ends_with("sample_period_s"));
+    match is_period {
+        true => Failure::from(error).hint("give the time between set-points, as in --sample-period 4ms"),
+        false => error.into(),
+    }
 }
 
 async fn motion(args: &SetpointsArgs, client: &Client, io: &mut Io) -> Result<Motion, Failure> {
