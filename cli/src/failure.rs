@@ -60,8 +60,11 @@ impl Failure {
     }
 }
 
+/// Whether a hint is for a finding.
+type IsMeant = fn(&FieldViolation) -> bool;
+
 /// What is said of the command line where a field is wrong for want of something else.
-const HINTS: [(fn(&FieldViolation) -> bool, &str); 2] = [
+const HINTS: [(IsMeant, &str); 2] = [
     (
         |one| one.field == "confidence",
         "fit the model with `takt drive fit ROBOT LOG --json > fit.json`, and store it with `takt drive commit ROBOT fit.json`",
