@@ -116,7 +116,7 @@ mod tests {
         assert_eq!(run("slide", 0.1, 0.01), None);
         assert!(run("turn", 0.3, -0.06).unwrap().contains("at the end"));
         assert!(run("turn", 0.21, 0.0).unwrap().contains("above 0.2"));
-        assert!(run("slide", 0.02, -0.011).unwrap().contains("0.011 m off at the end"));
+        assert!(run("slide", 0.02, -0.011).unwrap().contains("0.0110 m off at the end"));
         assert!(run("turn", f64::NAN, 0.0).is_some());
     }
 
