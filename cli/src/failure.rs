@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use takt_client::{Code, Error, ErrorKind};
+use takt_client::{Code, Error, ErrorKind, FieldViolation};
 
 use crate::exit;
 
@@ -60,6 +60,22 @@ impl Failure {
     }
 }
 
+/// Whether a hint is for a finding.
+type IsMeant = fn(&FieldViolation) -> bool;
+
+/// What is said of the command line where a field is wrong for want of something else.
+const HINTS: [(IsMeant, &str); 2] = [
+    (
+        |one| one.field == "confidence",
+        "fit the model with `takt drive fit ROBOT LOG --json > fit.json`, and store it with `takt drive commit ROBOT fit.json`",
+    ),
+    (
+        |one| one.description.contains("drive.torque_constant_nm_per_a"),
+        "write the description with `takt robot show ROBOT --description > arm.json`, add it there, and register that: \
+         `takt robot register ROBOT --description arm.json`",
+    ),
+];
+
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
         let mut failure = match error.kind() {
@@ -80,6 +96,11 @@ impl From<Error> for Failure {
                 .iter()
                 .map(|violation| format!("{}: {}", violation.field, violation.description))
                 .collect();
+        }
+        for (is_meant, hint) in HINTS {
+            if violations.iter().any(is_meant) {
+                failure = failure.hint(hint);
+            }
         }
         match (error.kind(), error.code()) {
             (ErrorKind::Transport, _) => failure

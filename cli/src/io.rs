@@ -44,6 +44,18 @@ impl Terminal {
 }
 
 impl Io {
+    /// Says each warning once, on standard error: with --json too, where standard output is the reply alone.
+    pub(crate) fn warn<'a>(&mut self, warnings: impl IntoIterator<Item = &'a String>) -> Result<(), Failure> {
+        let mut said: Vec<&String> = Vec::new();
+        for warning in warnings {
+            if !said.contains(&warning) {
+                self.remark(&format!("warning: {warning}"))?;
+                said.push(warning);
+            }
+        }
+        Ok(())
+    }
+
     /// Writes an answer. A reader that has gone away (`takt … | head`) is no failure.
     pub(crate) fn print(&mut self, text: &str) -> Result<(), Failure> {
         quiet(

@@ -190,6 +190,47 @@ impl Header {
         Ok(())
     }
 
+    /// What a log lacks that has no column at all of some joints: which have which, and which are missing.
+    pub(crate) fn missing_joints(&self) -> Option<String> {
+        let of = |joint: usize| {
+            let columns = self.columns.iter().filter(|(_, one, _)| *one == joint);
+            columns
+                .map(|(.., quantity)| QUANTITIES[*quantity].letters[0])
+                .collect::<Vec<_>>()
+        };
+        let (with, without): (Vec<usize>, Vec<usize>) =
+            (0..self.joints.len()).partition(|joint| !of(*joint).is_empty());
+        if without.is_empty() {
+            return None;
+        }
+        let names = |joints: &[usize]| {
+            let names = joints.iter().map(|joint| self.joints[*joint].as_str());
+            names.collect::<Vec<_>>().join(", ")
+        };
+        // Joints with the same columns are one group.
+        let mut groups: Vec<(Vec<&str>, Vec<usize>)> = Vec::new();
+        for joint in with {
+            let columns = of(joint);
+            match groups.iter_mut().find(|(known, _)| *known == columns) {
+                Some((_, joints)) => joints.push(joint),
+                None => groups.push((columns, vec![joint])),
+            }
+        }
+        let groups: Vec<String> = groups
+            .iter()
+            .map(|(columns, joints)| format!("{} of {}", columns.join(", "), names(joints)))
+            .collect();
+        Some(format!(
+            "the log has {}; {} missing: {}",
+            groups.join(", "),
+            match without.len() {
+                1 => "a joint is",
+                _ => "joints are",
+            },
+            names(&without)
+        ))
+    }
+
     /// An empty block of samples.
     pub(crate) fn block(&self) -> v1::Telemetry {
         let joints = self.joints.iter().map(|joint| v1::TelemetryColumns {
@@ -405,6 +446,16 @@ mod tests {
                 "joint elbow.left, torque: 2 values that are no numbers, the first in line 3"
             ]
         );
+    }
+
+    #[test]
+    fn joints_without_any_column_are_named_beside_those_that_have_some() {
+        let missing = |line: &str| Header::read(line, &joints()).unwrap().missing_joints();
+        assert_eq!(
+            missing("t,q1,qd1,tau1").unwrap(),
+            "the log has q, qd, tau of base; a joint is missing: elbow.left"
+        );
+        assert_eq!(missing("t,q1,tau1,q2"), None, "the service names what one lacks");
     }
 
     #[test]

@@ -52,6 +52,22 @@ pub(crate) fn part(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Ratios above this are asked for in per cent: friction ten times the model's is no supposition, a forgotten % is likely.
+const RATIO_PLAIN_MAX: f64 = 10.0;
+
+/// A ratio: `150%` or `1.5`; a plain 50 is most likely meant as a percentage, and asked for as such.
+pub(crate) fn ratio(text: &str) -> Result<f64, String> {
+    let ratio = part(text)?;
+    match ratio.abs() > RATIO_PLAIN_MAX {
+        true if !text.contains('%') => Err(format!(
+            "{ratio} is above {RATIO_PLAIN_MAX}: write it as {ratio}% or {}; it is a ratio ({ratio} times is {}%)",
+            ratio / 100.0,
+            ratio * 100.0
+        )),
+        _ => Ok(ratio),
+    }
+}
+
 /// A probability: `95%` or `0.95`; a plain 95 is most likely meant as a percentage, and asked for as such.
 pub(crate) fn level(text: &str) -> Result<f64, String> {
     let level = part(text)?;

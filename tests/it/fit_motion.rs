@@ -129,6 +129,35 @@ async fn another_recording_is_compared_with_as_a_part_of_the_same_is() {
 }
 
 #[tokio::test]
+async fn the_recording_that_was_fitted_is_no_other_one() {
+    let server = TestServer::start().await;
+    let cut = |seconds| v1::MotionFitRequest {
+        test_recording: Some(recorded(seconds)),
+        ..motion()
+    };
+    let whole = v1::MotionFitRequest {
+        identify: None,
+        ..cut(10)
+    };
+    // a shorter one of the same is the beginning of it
+    let overlapping = v1::MotionFitRequest {
+        test: part(6.0, 9.0),
+        ..cut(10)
+    };
+    for (motion, part) in [
+        (whole, "`identify` is not given"),
+        (cut(4), "0 to 7 s are fitted"),
+        (overlapping, "6 to 7 s are in both"),
+    ] {
+        let found = refused(&server, motion).await;
+        assert_eq!(found[0].0, "motion.test_recording", "{found:?}");
+        for part in [part, "has the samples of `recording`"] {
+            assert!(found[0].1.contains(part), "{found:?}");
+        }
+    }
+}
+
+#[tokio::test]
 async fn what_is_wrong_with_the_other_recording_is_named_there() {
     let server = TestServer::start().await;
     let with = |test: Option<v1::TimeRange>, change: &dyn Fn(&mut v1::Telemetry)| {

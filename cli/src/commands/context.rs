@@ -66,19 +66,29 @@ pub(crate) struct MotionArgs {
 }
 
 impl MotionArgs {
-    /// The move between the two configurations.
-    pub(crate) fn between(&self) -> v1::PlanMoveRequest {
+    /// The move between the two configurations. Where plain numbers are degrees the robot says which joints turn.
+    pub(crate) async fn between(
+        &self,
+        degrees: bool,
+        client: &Client,
+        robot_id: &str,
+        revision: Option<&str>,
+    ) -> Result<v1::PlanMoveRequest, Failure> {
+        let robot = match degrees {
+            true => Some(robot(client, robot_id, revision).await?),
+            false => None,
+        };
         let position = |values: &Option<JointValues>| {
             let values = values.as_ref();
             values.map(|values| v1::JointPosition {
-                position: si(values, false, None),
+                position: si(values, degrees, robot.as_ref()),
             })
         };
-        v1::PlanMoveRequest {
+        Ok(v1::PlanMoveRequest {
             start: position(&self.from),
             target: position(&self.to),
             ..Default::default()
-        }
+        })
     }
 }
 

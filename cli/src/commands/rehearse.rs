@@ -10,7 +10,7 @@ use super::context::{self, MotionArgs};
 use crate::{
     exit,
     failure::Failure,
-    files,
+    files, follow,
     io::Io,
     numbers,
     render::{
@@ -29,6 +29,7 @@ const TRACE_POINTS: f64 = 400.0;
 #[command(after_help = "\
 Examples:
   takt rehearse scara --from -1,1,0.1,0 --to 1,0.6,0.12,0.4 --friction 1.5
+  takt rehearse ur5e --degrees --from 0,-90,0,0,0,0 --to 60,-60,60,0,0,0 --friction 150%
   takt rehearse scara --program examples/scara_pick_and_place.yaml --friction 150% --plot
   takt rehearse scara --program move.json --friction elbow=2 --drift 0.1 --settle 1s
   takt rehearse scara --program rehearsal.yaml --json         a whole request of the API
@@ -39,7 +40,9 @@ rigid. The model's friction is what the controller begins with; --friction is by
 A program is a request to plan a move or a path, a trajectory (`trajectory: {points: …}`), or a whole request to
 rehearse, in YAML, TOML or JSON. What the request says of encoders, wrenches and gains is in docs/api.md.
 
-Exit code 3: the motion cannot be planned, or the simulated arm could not follow it.")]
+Exit code 3: the motion cannot be planned, or the simulated arm did not follow it, with the model's friction or with adapted
+friction: the run ended early, a joint was farther than 0.2 rad or 0.1 m from the plan at some time, or farther than 0.05 rad or
+10 mm from its place at the end. Which joint and which run is said.")]
 pub(crate) struct RehearseArgs {
     /// The robot.
     robot_id: String,
@@ -63,7 +66,7 @@ pub(crate) struct RehearseArgs {
     /// A revision other than the current one.
     #[arg(long)]
     revision: Option<String>,
-    /// Pictures show degrees for joints that turn.
+    /// Plain numbers of --from and --to are degrees, for joints that turn; tables and pictures show degrees.
     #[arg(long)]
     degrees: bool,
     /// Print the reply as it is.
@@ -80,13 +83,13 @@ pub(crate) struct RehearseArgs {
 /// `1.5` or `150%` is of every joint, `elbow=1.5` of one.
 fn of_joint(text: &str) -> Result<(String, f64), String> {
     let (joint, value) = text.rsplit_once('=').unwrap_or(("", text));
-    let value = numbers::part(value)
-        .map_err(|error| format!("{error}; write it as 1.5 or 150%, of one joint as elbow_joint=1.5"))?;
+    let value = numbers::ratio(value)
+        .map_err(|error| format!("{error}; as in 1.5 or 150%, of one joint as elbow_joint=1.5"))?;
     Ok((joint.trim().to_owned(), value))
 }
 
 pub(crate) async fn run(args: RehearseArgs, client: &Client, io: &mut Io) -> Result<u8, Failure> {
-    let mut request = request(&args, io)?;
+    let mut request = request(&args, client, io).await?;
     let draws = args.plot || args.svg.is_some();
     if draws && request.trace_every.is_none() {
         request.trace_every = Some(trace_every(client, &request).await?);
@@ -100,16 +103,17 @@ pub(crate) async fn run(args: RehearseArgs, client: &Client, io: &mut Io) -> Res
     match &reply.outcome {
         Some(Outcome::Rehearsal(rehearsal)) => {
             if !args.json {
-                io.print(&rehearsal::report(rehearsal, &robot, io.terminal))?;
+                let units = Units { degrees: args.degrees };
+                io.print(&rehearsal::report(rehearsal, &robot, units, io.terminal))?;
             }
             if draws {
                 draw(&args, rehearsal, &robot, io)?;
             }
-            let is_whole = |run: &Option<v1::RehearsalRun>| {
-                let run = run.as_ref();
-                run.is_some_and(|run| run.end() == v1::rehearsal_run::End::Completed)
-            };
-            Ok(match is_whole(&rehearsal.plain) && is_whole(&rehearsal.adapted) {
+            let lost = follow::lost(rehearsal, &robot);
+            for sentence in &lost {
+                io.remark(sentence)?;
+            }
+            Ok(match lost.is_empty() {
                 true => exit::OK,
                 false => exit::NO,
             })
@@ -151,13 +155,17 @@ fn draw(args: &RehearseArgs, rehearsal: &v1::Rehearsal, robot: &v1::Robot, io: &
     Ok(())
 }
 
-fn request(args: &RehearseArgs, io: &mut Io) -> Result<v1::RehearseRequest, Failure> {
+async fn request(args: &RehearseArgs, client: &Client, io: &mut Io) -> Result<v1::RehearseRequest, Failure> {
     let mut request = match &args.motion.program {
         Some(file) => of_file(file, &files::read(file, io)?)?,
-        None => v1::RehearseRequest {
-            motion: Some(Motion::Move(args.motion.between())),
-            ..Default::default()
-        },
+        None => {
+            let revision = args.revision.as_deref();
+            let between = args.motion.between(args.degrees, client, &args.robot_id, revision);
+            v1::RehearseRequest {
+                motion: Some(Motion::Move(between.await?)),
+                ..Default::default()
+            }
+        }
     };
     request.robot_id.clone_from(&args.robot_id);
     request.revision = args.revision.clone().or(request.revision);
@@ -231,6 +239,9 @@ mod tests {
         assert_eq!(of_joint("1.5"), Ok((String::new(), 1.5)));
         assert_eq!(of_joint("left.elbow=0.5"), Ok(("left.elbow".to_owned(), 0.5)));
         assert!(of_joint("elbow=much").is_err() && of_joint("nan").is_err());
+        let said = of_joint("elbow=50").unwrap_err();
+        assert!(said.contains("write it as 50% or 0.5; it is a ratio"), "{said}");
+        assert_eq!(of_joint("5000%"), Ok((String::new(), 50.0)));
         let mut list = Vec::new();
         truth_of(&mut list, "a").coulomb_scale = Some(2.0);
         truth_of(&mut list, "a").viscous_scale = Some(3.0);

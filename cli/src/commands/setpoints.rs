@@ -33,6 +33,9 @@ pub(crate) struct SetpointsArgs {
     robot_id: String,
     #[command(flatten)]
     motion: MotionArgs,
+    /// Plain numbers of --from and --to are degrees, for joints that turn.
+    #[arg(long, conflicts_with = "program")]
+    degrees: bool,
     /// Time between set-points, as in 4ms. Default: the program's.
     #[arg(long, value_name = "TIME", value_parser = numbers::seconds)]
     sample_period: Option<f64>,
@@ -50,11 +53,12 @@ pub(crate) struct SetpointsArgs {
 pub(crate) async fn run(args: SetpointsArgs, client: &Client, io: &mut Io) -> Result<u8, Failure> {
     let request = v1::StreamSetpointsRequest {
         robot_id: args.robot_id.clone(),
-        motion: Some(with_motors(motion(&args, io)?, args.motors)),
+        motion: Some(with_motors(motion(&args, client, io).await?, args.motors)),
         sample_period_s: args.sample_period,
         chunk_points: args.chunk,
     };
-    let mut stream = client.stream_setpoints(request).await?;
+    let stream = client.stream_setpoints(request).await;
+    let mut stream = stream.map_err(without_period)?;
     let header = stream.header().clone();
     let refusal = refusal(&args, &header, client, io).await?;
     if args.json {
@@ -84,7 +88,19 @@ pub(crate) async fn run(args: SetpointsArgs, client: &Client, io: &mut Io) -> Re
     Ok(exit::OK)
 }
 
-fn motion(args: &SetpointsArgs, io: &mut Io) -> Result<Motion, Failure> {
+/// Why there is no stream; where it has no period, how to give one.
+fn without_period(error: takt_client::Error) -> Failure {
+    let is_period = error
+        .violations()
+        .iter()
+        .any(|one| one.field.ends_with("sample_period_s"));
+    match is_period {
+        true => Failure::from(error).hint("give the time between set-points, as in --sample-period 4ms"),
+        false => error.into(),
+    }
+}
+
+async fn motion(args: &SetpointsArgs, client: &Client, io: &mut Io) -> Result<Motion, Failure> {
     if let Some(file) = &args.motion.program {
         let text = files::read(file, io)?;
         return match files::has_key(file, &text, "segments") {
@@ -92,7 +108,8 @@ fn motion(args: &SetpointsArgs, io: &mut Io) -> Result<Motion, Failure> {
             false => files::message(file, &text).map(Motion::Move),
         };
     }
-    Ok(Motion::Move(args.motion.between()))
+    let between = args.motion.between(args.degrees, client, &args.robot_id, None);
+    Ok(Motion::Move(between.await?))
 }
 
 /// Asks for set-points of the motors; what a file says of them stays where nothing is asked.

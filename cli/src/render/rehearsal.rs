@@ -12,8 +12,8 @@ use super::{
 use crate::io::Terminal;
 
 /// What became of it, for a person.
-pub(crate) fn report(rehearsal: &v1::Rehearsal, robot: &v1::Robot, terminal: Terminal) -> String {
-    let mut out = table(rehearsal, robot).render_for(terminal);
+pub(crate) fn report(rehearsal: &v1::Rehearsal, robot: &v1::Robot, units: Units, terminal: Terminal) -> String {
+    let mut out = table(rehearsal, robot, units).render_for(terminal);
     out.push_str(LEGEND);
     out.push('\n');
     for line in facts(rehearsal) {
@@ -33,7 +33,7 @@ friction off: assumed less true friction, rms; at the end: the same over the las
 ";
 
 /// Both runs of every joint. Columns of what the model does not have are left out.
-fn table(rehearsal: &v1::Rehearsal, robot: &v1::Robot) -> Table {
+fn table(rehearsal: &v1::Rehearsal, robot: &v1::Robot, units: Units) -> Table {
     let (plain, adapted) = (joints(&rehearsal.plain), joints(&rehearsal.adapted));
     let has_current = plain.iter().any(|run| run.current_peak_a.is_some());
     let flexes = rehearsal.joints.iter().any(|joint| joint.flexible);
@@ -54,8 +54,8 @@ fn table(rehearsal: &v1::Rehearsal, robot: &v1::Robot) -> Table {
     let mut table = Table::new(head).numbers_from(2);
     for ((joint, plain), adapted) in rehearsal.joints.iter().zip(plain).zip(adapted) {
         for (run, name, label) in [(plain, plain.joint.as_str(), "model"), (adapted, "", "adapted")] {
-            let unit = Units::default().of(robot, &run.joint);
-            let position = |value: f64| format!("{} {}", number(value, 3), unit.position);
+            let unit = units.of(robot, &run.joint);
+            let position = |value: f64| format!("{} {}", number(unit.factor * value, 3), unit.position);
             let torque = |value: f64| format!("{} {}", number(value, 3), unit.torque);
             let planned = run
                 .torque_limit

@@ -26,12 +26,17 @@ pub(super) fn arm() -> String {
 
 /// A log of 1 kHz: the first joint by number, the second by name.
 pub(super) fn log(samples: u32) -> String {
+    log_of_run(samples, 0.0)
+}
+
+/// The same of another run, whose motion begins elsewhere.
+pub(super) fn log_of_run(samples: u32, phase: f64) -> String {
     let mut text = "t,q1,qd1,tau1,b.c.position,b.c.velocity,b.c.torque,temperature\n".to_owned();
     for index in 0..samples {
         let time = f64::from(index) * 1e-3;
         text.push_str(&format!("{time}"));
         for (rate, (coulomb, viscous)) in [1.3_f64, 1.9].into_iter().zip(FRICTION) {
-            let (sin, cos) = (rate * time).sin_cos();
+            let (sin, cos) = (rate * time + phase).sin_cos();
             let (q, qd) = (0.8 * sin, 0.8 * rate * cos);
             text.push_str(&format!(
                 ",{q},{qd},{}",
@@ -117,6 +122,7 @@ fn friction_is_estimated_shown_and_committed() {
     );
     let late = call(&server, &["drive", "commit", "arm", &estimate], "");
     assert_eq!(late.code, exit::USAGE, "with another note it is another revision");
+    assert!(late.errors.contains("hint: fit or estimate again"), "{}", late.errors);
 }
 
 /// What an estimate has no term for is held while it is made, and stays.

@@ -2,7 +2,7 @@
 
 use super::{
     call,
-    drive::{arm, log},
+    drive::{arm, log, log_of_run},
     exit, server,
 };
 
@@ -29,6 +29,25 @@ fn a_recording_is_fitted_and_compared() {
     let json = call(&server, &[&line[..], &["--json"]].concat(), &log);
     let done = call(&server, &["drive", "commit", "arm", "-"], &json.output);
     assert_eq!(done.code, exit::OK, "{}", done.errors);
+}
+
+#[test]
+fn what_a_fit_warns_of_is_said_beside_json_and_before_a_commit() {
+    let server = arm();
+    let line = [&FIT[..], &["--identify", "0..6", "--test", "6.5..20", "--json"]].concat();
+    let json = call(&server, &line, &log(9000));
+    assert_eq!(json.code, exit::OK, "{}", json.errors);
+    let warning = "is used of the 6.5 to 20 s";
+    assert!(
+        json.errors.contains("warning: ") && json.errors.contains(warning),
+        "{}",
+        json.errors
+    );
+    let reply: serde_json::Value = serde_json::from_str(&json.output).unwrap();
+    assert!(reply["proposal"].is_object(), "standard output is the reply alone");
+    let done = call(&server, &["drive", "commit", "arm", "-"], &json.output);
+    assert_eq!(done.code, exit::OK, "{}", done.errors);
+    assert_eq!(done.errors.matches(warning).count(), 1, "{}", done.errors);
 }
 
 #[test]
@@ -66,7 +85,7 @@ fn another_log_is_compared_with_in_its_own_times() {
     let server = arm();
     let folder = tempfile::tempdir().unwrap();
     let other = folder.path().join("other.csv");
-    std::fs::write(&other, log(3000)).unwrap();
+    std::fs::write(&other, log_of_run(3000, 0.4)).unwrap();
     let other = other.to_str().unwrap();
     let log = log(6000);
     let ask = |more: &[&str]| call(&server, &[&FIT[..], &["--test-log", other], more].concat(), &log);
@@ -84,7 +103,15 @@ fn another_log_is_compared_with_in_its_own_times() {
         "{}",
         late.output
     );
-    std::fs::write(other, "t,q1\n0,\n1,nan\n").unwrap();
+    std::fs::write(other, &log).unwrap();
+    let fitted = ask(&["--identify", "0..4", "--test", "3..5"]);
+    assert_eq!(fitted.code, exit::USAGE, "{}", fitted.output);
+    assert!(
+        fitted.errors.contains("has the samples of `recording`") && fitted.errors.contains("3 to 4 s are in both"),
+        "{}",
+        fitted.errors
+    );
+    std::fs::write(other, "t,q1,q2\n0,,1\n1,nan,1\n").unwrap();
     let broken = ask(&[]);
     assert_eq!(broken.code, exit::USAGE, "{}", broken.output);
     for part in ["2 values that are no numbers", "of the test log"] {

@@ -119,3 +119,47 @@ fn motors_have_columns_in_a_stream_as_in_a_plan() {
     let warned = "warning: jerk limits do not apply";
     assert!(stream.errors.contains(warned), "{}", stream.errors);
 }
+
+#[test]
+fn plain_numbers_are_degrees_where_asked_for() {
+    let server = server();
+    let degrees = ["--degrees", "--from", "-60,60,0.1,0", "--to", "-30,35,0.12,20"];
+    let units = ["--from", "-60deg,60deg,0.1,0", "--to", "-30deg,35deg,0.12,20deg"];
+    for (command, more) in [
+        ("rehearse", &["--friction", "150%", "--json"][..]),
+        ("setpoints", &["--sample-period", "20ms"]),
+    ] {
+        let ask = |motion: &[&str]| call(&server, &[&[command, "scara"], motion, more].concat(), "");
+        let (asked, same) = (ask(&degrees), ask(&units));
+        assert_eq!(asked.code, exit::OK, "{command}: {}", asked.errors);
+        assert_eq!(asked.output, same.output, "{command}: those that slide stay in m");
+    }
+    let table = call(&server, &[&["rehearse", "scara"][..], &degrees].concat(), "");
+    assert!(
+        table.output.contains(" deg ") && !table.output.contains(" rad "),
+        "{}",
+        table.output
+    );
+}
+
+#[test]
+fn an_arm_that_does_not_follow_is_a_no_and_says_which_joint() {
+    let server = server();
+    let line = |friction| [&MOVE[..6], &["--friction", friction]].concat();
+    let plain = call(&server, &line("50"), "");
+    assert_eq!(plain.code, exit::USAGE, "{}", plain.output);
+    assert!(
+        plain.errors.contains("write it as 50% or 0.5; it is a ratio"),
+        "{}",
+        plain.errors
+    );
+    for json in [&[][..], &["--json"]] {
+        let stuck = call(&server, &[&line("5000%")[..], json].concat(), "");
+        assert_eq!(stuck.code, exit::NO, "{}{}", stuck.output, stuck.errors);
+        assert!(
+            stuck.errors.contains("did not follow: shoulder was"),
+            "{}",
+            stuck.errors
+        );
+    }
+}

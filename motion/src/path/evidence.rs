@@ -7,7 +7,8 @@ use super::outcome::{Location, PathInfeasible, PathInfeasibleReason};
 use super::shape::ToolCurve;
 use super::taught::Teacher;
 use crate::kinematics::inverse::Unreachable;
-use crate::tolerance::{REACH_PROBES, SEGMENT_MIN, SINGULAR_MIN};
+use crate::robot::spec::RobotSpec;
+use crate::tolerance::{REACH_ABSURD, REACH_PROBES, SEGMENT_MIN, SINGULAR_MIN};
 
 impl Teacher<'_> {
     /// A taught pose that cannot be taken.
@@ -16,7 +17,11 @@ impl Teacher<'_> {
         let evidence = |reason, needed, available| PathInfeasible {
             needed,
             available,
-            ..infeasible(reason, location, format!("{unreachable}; teach another pose"))
+            ..infeasible(
+                reason,
+                location,
+                format!("{unreachable}; teach another pose{}", self.units(gap(unreachable))),
+            )
         };
         match unreachable {
             Unreachable::OutOfReach { .. } => {
@@ -63,7 +68,8 @@ impl Teacher<'_> {
         if gap > 0.0 {
             let suggestion = format!(
                 "the segment leaves the arm's reach after {percent:.2} % of its way, by up to {gap:.6} {unit}; move the \
-                 taught points to where the arm reaches, or the tool's orientation to one that the arm can take"
+                 taught points to where the arm reaches, or the tool's orientation to one that the arm can take{}",
+                self.units(Some((gap, unit)))
             );
             return evidence(PathInfeasibleReason::OutOfReach, gap, 0.0, suggestion);
         }
@@ -78,6 +84,15 @@ impl Teacher<'_> {
             halt.smallest,
             suggestion,
         )
+    }
+
+    /// What to say of a gap that no arm has: points taught in mm are a thousand times too far.
+    fn units(&self, gap: Option<(f64, &'static str)>) -> &'static str {
+        let reach = longest(self.robot.spec()) + self.tcp.translation.vector.norm();
+        match gap {
+            Some((gap, "m")) if gap > REACH_ABSURD * reach => "; positions are in m: are these millimetres?",
+            _ => "",
+        }
     }
 
     /// A curve that ends at its pose, but with the joints elsewhere than taught.
@@ -111,6 +126,15 @@ impl Teacher<'_> {
             .collect();
         format!("segment {segment}: {}, the others follow the tool", who.join(", "))
     }
+}
+
+/// No point of the tool is farther than this from the base, with every sliding joint at 0, m: Σ‖p_i‖ of the joints' places.
+fn longest(spec: &RobotSpec) -> f64 {
+    let places = spec
+        .joints
+        .iter()
+        .map(|joint| joint.parent_from_joint.translation.vector.norm());
+    places.sum()
 }
 
 /// How far a pose is out of reach, and the unit: m where its place is missed, rad where its orientation alone is.

@@ -200,7 +200,7 @@ impl Problem {
         }
         if !jerky.is_empty() {
             self.warnings.push(format!(
-                "jerk limits do not apply to a move with trapezoidal patterns: {jerky}"
+                "jerk limits do not apply to a move with trapezoidal patterns: {jerky}; a program of one joint segment (`PlanPath`, `takt plan path`) keeps them"
             ));
         }
     }

@@ -130,6 +130,10 @@ pub(crate) const SAME_BRANCH: f64 = 1.0e-6;
 /// Places on the rest of a curve at which its reach is looked at, once it could not be followed.
 pub(crate) const REACH_PROBES: usize = 8;
 
+/// How many times the arm's length a taught point is out of reach from which on it is asked whether it is in millimetres, which
+/// makes it up to a thousand times; a wrong frame is off by the size of a hall.
+pub(crate) const REACH_ABSURD: f64 = 100.0;
+
 /// Largest angle between two orientations that are mixed, rad: at π there is no shortest way any more.
 pub(crate) const BLEND_ANGLE_MAX: f64 = 3.0;
 

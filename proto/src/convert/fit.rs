@@ -3,6 +3,7 @@
 mod bench;
 mod outcome;
 mod request;
+mod same;
 
 pub use self::{
     bench::{constant_speed_to_wire, damping_to_wire, finding_on_bench, joint, runs, stiffness_to_wire},

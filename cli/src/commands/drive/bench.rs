@@ -191,6 +191,13 @@ async fn run(args: BenchArgs, asked: Fit, client: &Client, io: &mut Io) -> Resul
     };
     if args.json {
         context::print_json(&reply, io)?;
+        let of_fit = match &reply.outcome {
+            Some(Outcome::ConstantSpeed(fit)) => &fit.warnings[..],
+            Some(Outcome::NotExcited(missing)) => &missing.warnings,
+            _ => &[],
+        };
+        let proposed = reply.proposal.iter().flat_map(|proposal| &proposal.warnings);
+        io.warn(of_fit.iter().chain(proposed))?;
     } else {
         io.print(&text)?;
         io.print(&fit::proposal(reply.proposal.as_ref(), &robot.robot_id))?;

@@ -40,11 +40,34 @@ pub(crate) struct CommitArgs {
 #[derive(Deserialize)]
 struct Answer {
     proposal: Option<v1::ModelProposal>,
+    /// Of an estimate.
+    #[serde(default)]
+    warnings: Vec<String>,
+    /// Of a fit, by its kind.
+    motion: Option<Warned>,
+    constant_speed: Option<Warned>,
+}
+
+/// The warnings of a fit.
+#[derive(Deserialize)]
+struct Warned {
+    #[serde(default)]
+    warnings: Vec<String>,
+}
+
+impl Answer {
+    /// What the estimate or the fit warned of, to be said again before anything is stored.
+    fn warnings(&self) -> Vec<String> {
+        let fits = self.motion.iter().chain(&self.constant_speed);
+        let fits = fits.flat_map(|fit| &fit.warnings);
+        fits.chain(&self.warnings).cloned().collect()
+    }
 }
 
 pub(super) async fn run(args: CommitArgs, client: &Client, io: &mut Io) -> Result<u8, Failure> {
     let text = files::read(&args.estimate, io)?;
     let answer: Answer = files::message(&args.estimate, last_line(&text))?;
+    let warnings = answer.warnings();
     let Some(mut proposal) = answer.proposal else {
         let failure = Failure::usage(format!("{} proposes no change", args.estimate));
         return Err(failure.hint("its `missing` says what the motion would have to have, joint by joint"));
@@ -57,6 +80,7 @@ pub(super) async fn run(args: CommitArgs, client: &Client, io: &mut Io) -> Resul
             false => format!("{note}\n{}", origin.note),
         };
     }
+    io.warn(warnings.iter().chain(&proposal.warnings))?;
     let request = v1::RegisterRobotRequest {
         robot_id: args.robot_id.clone(),
         description: Some(description),
@@ -67,15 +91,13 @@ pub(super) async fn run(args: CommitArgs, client: &Client, io: &mut Io) -> Resul
         Ok(reply) => (reply, false),
         Err(error) if error.code() == Code::Conflict => match is_there(client, request).await? {
             Some(reply) => (reply, true),
-            None => return Err(error.into()),
+            None => {
+                let failure = Failure::from(error);
+                return Err(failure.hint("fit or estimate again, on the revision that is there now"));
+            }
         },
         Err(error) => return Err(error.into()),
     };
-    if !is_there {
-        for warning in &proposal.warnings {
-            io.remark(&format!("warning: {warning}"))?;
-        }
-    }
     if args.json {
         context::print_json(&reply, io)?;
         return Ok(exit::OK);

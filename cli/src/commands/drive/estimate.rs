@@ -1,5 +1,7 @@
 //! `takt drive estimate`.
 
+use std::time::{Duration, Instant};
+
 use clap::{Args, ValueEnum};
 use takt_client::{
     Client,
@@ -21,8 +23,30 @@ use crate::{
     telemetry,
 };
 
-/// Time of telemetry between two lines about the progress, s.
+/// Least time of telemetry between two lines about the progress, s.
 const PROGRESS_S: f64 = 10.0;
+
+/// Least time between them as people feel it: a long log is read in a moment, one in ms seems a thousand times as long.
+const PROGRESS_FELT: Duration = Duration::from_secs(1);
+
+/// When the progress was last told.
+#[derive(Debug, Default)]
+struct Progress {
+    told: Option<(f64, Instant)>,
+}
+
+impl Progress {
+    /// Whether it is to be told again, at a time of the telemetry and of the clock.
+    fn is_due(&mut self, time_s: f64, now: Instant) -> bool {
+        let is_due = self.told.is_none_or(|(told_s, told)| {
+            time_s >= told_s + PROGRESS_S && now.saturating_duration_since(told) >= PROGRESS_FELT
+        });
+        if is_due {
+            self.told = Some((time_s, now));
+        }
+        is_due
+    }
+}
 
 /// Estimates friction from telemetry: recorded, or as it comes.
 #[derive(Debug, Args)]
@@ -136,7 +160,7 @@ pub(super) async fn run(args: EstimateArgs, client: &Client, io: &mut Io) -> Res
     let (blocks, troubles) = telemetry::blocks(&args.telemetry, names, io)?;
     let mut estimates = client.estimate_friction(&args.robot_id, header, blocks).await?;
     let mut history = History::default();
-    let mut said = f64::NEG_INFINITY;
+    let mut progress = Progress::default();
     let mut last = None;
     while let Some(estimate) = estimates.next().await? {
         if args.lines {
@@ -148,9 +172,10 @@ pub(super) async fn run(args: EstimateArgs, client: &Client, io: &mut Io) -> Res
         }
         history.add(&estimate);
         // Before the first sample there is no time, and nothing to tell.
-        if let Some(now) = estimate.time_s.filter(|now| *now >= said + PROGRESS_S && !args.lines) {
+        if let Some(now) = estimate.time_s.filter(|_| !args.lines)
+            && progress.is_due(now, Instant::now())
+        {
             io.remark(&format!("{now:.1} s, {} samples", estimate.sample_count))?;
-            said = now;
         }
         last = Some(estimate);
     }
@@ -217,6 +242,8 @@ fn show(
 ) -> Result<(), Failure> {
     if args.json {
         context::print_json(last, io)?;
+        let proposed = last.proposal.iter().flat_map(|proposal| &proposal.warnings);
+        io.warn(last.warnings.iter().chain(proposed))?;
     } else if !args.lines {
         io.print(&friction::estimate(last, robot, io.terminal))?;
     }
@@ -233,4 +260,21 @@ fn show(
         io.remark(&format!("wrote {file}"))?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn progress_is_told_as_rarely_as_either_clock_says() {
+        let start = Instant::now();
+        let at = |seconds: u64| start + Duration::from_secs(seconds);
+        let mut progress = Progress::default();
+        assert!(progress.is_due(0.0, at(0)), "the beginning is told");
+        assert!(!progress.is_due(1e6, at(0)), "a log in ms");
+        assert!(!progress.is_due(9.0, at(60)), "a log as it comes");
+        assert!(progress.is_due(10.0, at(60)));
+        assert!(!progress.is_due(15.0, at(70)));
+    }
 }

@@ -27,7 +27,7 @@ Examples:
   takt drive fit ur5e log.csv --scope friction --json > fit.json && takt drive commit ur5e fit.json
   takt drive fit ur5e log.csv --scope payload                   what is in its hand?
 
-The first line of a log names its columns: a time (t, time or time_s), and for every joint its position and its torque as
+The first line of a log names its columns: a time (t, time or time_s; t_ms, t_us, t_ns in other units), and for every joint its position and its torque as
 seen from the joint (q1, tau1, or elbow_joint.position, elbow_joint.torque) or its motor current (i1, or
 elbow_joint.motor_current); its velocity (qd1, or elbow_joint.velocity) where it was measured. Other columns are passed over.
 
@@ -160,14 +160,19 @@ pub(super) async fn run(args: FitArgs, client: &Client, io: &mut Io) -> Result<u
     }
     match &reply.outcome {
         Some(Outcome::Motion(fit)) => {
-            if !args.json {
+            if args.json {
+                let proposed = reply.proposal.iter().flat_map(|proposal| &proposal.warnings);
+                io.warn(fit.warnings.iter().chain(proposed))?;
+            } else {
                 io.print(&render::fit(fit, &robot, args.test_log.as_deref(), io.terminal))?;
                 io.print(&render::proposal(reply.proposal.as_ref(), &robot.robot_id))?;
             }
             Ok(exit::OK)
         }
         Some(Outcome::NotExcited(missing)) => {
-            if !args.json {
+            if args.json {
+                io.warn(&missing.warnings)?;
+            } else {
                 io.print(&render::missing("motion does", missing, io.terminal.colour))?;
             }
             Ok(exit::NO)
@@ -205,6 +210,10 @@ fn recording(
     let header = Header::read(first, &names)?;
     if !header.ignored.is_empty() {
         io.remark(&format!("{which}columns passed over: {}", header.ignored.join(", ")))?;
+    }
+    if let Some(missing) = header.missing_joints() {
+        let failure = Failure::usage(missing);
+        return Err(failure.hint("a fit needs the position and the torque or motor current of every joint"));
     }
     let mut recording = header.block();
     let mut missing = Missing::default();

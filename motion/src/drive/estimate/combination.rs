@@ -154,7 +154,7 @@ fn motor_torque(robot: &Robot, signals: Signals, findings: &mut Vec<Invalid>) ->
     for (joint, spec) in robot.spec().joints.iter().enumerate() {
         if spec.drive.torque_constant.is_none() {
             let message = format!(
-                "the current of joint {joint} \"{}\" says nothing without a torque constant",
+                "the current of joint {joint} \"{}\" says nothing without a torque constant: state its `drive.torque_constant_nm_per_a` in the description",
                 spec.name
             );
             findings.push(Invalid::new(format!("joints[{joint}].drive.torque_constant"), message));

@@ -94,7 +94,10 @@ pub(crate) fn check(robot: &Robot, recording: &Recording, selection: &Selection)
             check_series(robot, "current", current, count, &mut faults);
             for joint in &robot.spec().joints {
                 if joint.drive.torque_constant.is_none() {
-                    let message = format!("joint \"{}\" has no torque constant to make a torque of it", joint.name);
+                    let message = format!(
+                        "joint \"{}\" has no torque constant to make a torque of it: state its `drive.torque_constant_nm_per_a` in the description",
+                        joint.name
+                    );
                     faults.push(Invalid::new("current", message));
                 }
             }

@@ -138,8 +138,9 @@ fn run_of(time: &[f64], selection: &Selection) -> Result<Range<usize>, Failure> 
             break;
         } else {
             let message = format!(
-                "a gap of {gap:.3} s, {longest:.3} s is the longest in a band of {} Hz: select a part on one side of it",
-                selection.band
+                "a gap of {gap:.3} s, from {} to {} s; {longest:.3} s is the longest in a band of {} Hz: select a part on one side of it \
+                 (`identify`, `test`), up to {} s or from {} s",
+                pair[0], pair[1], selection.band, pair[0], pair[1]
             );
             return Err(Failure::Invalid(vec![Invalid::new(
                 format!("time[{}]", i + 1),
@@ -216,19 +217,23 @@ mod tests {
     #[test]
     fn gaps_coarse_stamps_and_empty_ranges_are_named() {
         let arm = robot(planar());
-        let refused = |recording: &Recording, selection: Selection| match Signals::new(
+        let fault = |recording: &Recording, selection: Selection| match Signals::new(
             &arm,
             recording,
             &selection,
             &Budget::unlimited(),
         ) {
-            Err(Failure::Invalid(faults)) => faults[0].path.clone(),
+            Err(Failure::Invalid(faults)) => faults[0].clone(),
             other => panic!("{other:?}"),
         };
+        let refused = |recording: &Recording, selection: Selection| fault(recording, selection).path;
         let sound = recording(1000, &mut 2);
         let mut gap = sound.clone();
         gap.time[500..].iter_mut().for_each(|t| *t += 1.0);
         assert_eq!(refused(&gap, Selection::default()), "time[500]");
+        let sides = format!("up to {} s or from {} s", gap.time[499], gap.time[500]);
+        let said = fault(&gap, Selection::default()).message;
+        assert!(said.contains(&sides), "{said}");
         let across = Selection {
             range: Some((1.9, 3.2)),
             ..Selection::default()

@@ -13,7 +13,11 @@ const DEGREES_IN_RADIAN: f64 = 180.0 / PI;
 const MILLIMETRES_IN_METRE: f64 = 1000.0;
 
 /// Units of time below a second, and how many are in one.
-const CLOCKS: [(&str, f64); 3] = [("milliseconds", 1e3), ("microseconds", 1e6), ("nanoseconds", 1e9)];
+const CLOCKS: [(&str, &str, f64); 3] = [
+    ("milliseconds", "t_ms", 1e3),
+    ("microseconds", "t_us", 1e6),
+    ("nanoseconds", "t_ns", 1e9),
+];
 
 /// What looks wrong with one joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -86,12 +90,13 @@ impl LogHints {
     /// Times that are no seconds: by the speeds beside the positions of most joints, or by samples that are too far apart.
     fn clock(&self) -> Option<String> {
         let ratios: Vec<f64> = self.joints.iter().filter_map(|sums| sums.speed.ratio()).collect();
-        for (unit, factor) in CLOCKS {
+        for (unit, column, factor) in CLOCKS {
             let agree = ratios.iter().filter(|ratio| is_near(**ratio, factor)).count();
             // where two joints or more moved, one alone in other units is no clock
             if agree > 0 && 2 * agree > ratios.len() && (agree > 1 || self.joints.len() == 1 || ratios.len() == 1) {
                 return Some(format!(
-                    "speeds times time are {factor:e} times what positions change by: are times {unit}? They are taken as seconds"
+                    "speeds times time are {factor:e} times what positions change by: are times {unit}? They are taken as seconds; \
+ `takt drive` reads a column called {column} in them"
                 ));
             }
         }
@@ -99,7 +104,8 @@ impl LogHints {
         let step = seconds / f64::from(count.max(1));
         let is_slow = count >= LOG_WINDOWS_MIN && step >= LOG_STEP_MAX;
         is_slow.then(|| {
-            format!("samples are {step:.3} s apart in the mean: are times milliseconds? They are taken as seconds")
+            format!("samples are {step:.3} s apart in the mean: are times milliseconds? They are taken as seconds; `takt drive` \
+ reads a column called t_ms in them")
         })
     }
 

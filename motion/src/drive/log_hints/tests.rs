@@ -164,14 +164,17 @@ fn each_mistake_is_named_with_its_joints_and_column() {
         said(|log| (0..2).for_each(|joint| torque(log, joint, -1.0))),
         &["joints", first, second],
     );
-    one(said(|log| scale(&mut log.time, 1e3)), &["milliseconds", "1e3"]);
-    one(said(|log| scale(&mut log.time, 1e6)), &["microseconds"]);
+    one(
+        said(|log| scale(&mut log.time, 1e3)),
+        &["milliseconds", "1e3", "called t_ms"],
+    );
+    one(said(|log| scale(&mut log.time, 1e6)), &["microseconds", "called t_us"]);
     one(
         said(|log| {
             scale(&mut log.time, 1e3);
             log.velocity = None;
         }),
-        &["4.000 s apart", "milliseconds"],
+        &["4.000 s apart", "milliseconds", "called t_ms"],
     );
 }
 

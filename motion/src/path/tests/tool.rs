@@ -79,6 +79,18 @@ fn a_taught_frame_carries_its_poses() {
 }
 
 #[test]
+fn a_point_in_millimetres_is_asked_about() {
+    let robot = ur5e();
+    let said = |by: f64| {
+        let end = shifted(&robot, &READY, [by, 0.0, 0.0], [0.0; 3]);
+        let request = request(&READY, vec![line(to_pose(end), None)]);
+        outcome(&robot, &request).unwrap().unwrap_err().suggestion
+    };
+    assert!(said(600.0).contains("are these millimetres?"), "{}", said(600.0));
+    assert!(!said(60.0).contains("millimetres"), "{}", said(60.0));
+}
+
+#[test]
 fn a_line_out_of_reach_says_how_far_it_can_go() {
     let robot = ur5e();
     let end = shifted(&robot, &READY, [1.5, 0.0, 0.0], [0.0; 3]);

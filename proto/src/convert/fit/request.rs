@@ -9,6 +9,7 @@ use takt_motion::{
     robot::spec::{Inertial, RobotSpec},
 };
 
+use super::same;
 use crate::{
     convert::{Findings, Path, drive, robot},
     v1,
@@ -102,7 +103,7 @@ pub fn motion_fit_request(
     match &wire.test_recording {
         // Times of different recordings have nothing to do with each other.
         Some(_) => test = test.or(Some(selection(None))),
-        None => check_apart(wire, test, &selection(wire.identify), at.field("test"), findings),
+        None => check_apart(wire, test, selection(wire.identify), at.field("test"), findings),
     }
     let spec = spec?;
     let recording = read_recording(wire_recording, at.field("recording"), spec, findings);
@@ -116,6 +117,10 @@ pub fn motion_fit_request(
     let together = test_recording.as_ref();
     if let Some(message) = together.and_then(|other| recording.too_long_with(other)) {
         findings.push(at.field("test_recording").field("time_s"), message);
+    }
+    if let Some(other) = together {
+        let at = at.field("test_recording");
+        check_other(wire, test, selection(wire.identify), (&recording, other), at, findings);
     }
     Some(MotionFitRequest {
         recording,
@@ -141,21 +146,53 @@ pub fn motion_fit_request(
 fn check_apart(
     wire: &v1::MotionFitRequest,
     test: Option<Selection>,
-    identify: &Selection,
+    identify: Selection,
     at: Path<'_>,
     findings: &mut Findings,
 ) {
-    let Some((begin, end)) = test.and_then(|test| test.overlap(identify)) else {
+    if let Some(both) = test.and_then(|test| test.overlap(&identify)) {
+        findings.push(at, not_apart(wire, both));
+    }
+}
+
+/// The same of a recording to compare with that has the samples of the fitted one at the times that they share.
+fn check_other(
+    wire: &v1::MotionFitRequest,
+    test: Option<Selection>,
+    identify: Selection,
+    (fitted, other): (&Recording, &Recording),
+    at: Path<'_>,
+    findings: &mut Findings,
+) {
+    let Some(times) = same::shared(fitted, other) else {
         return;
     };
+    let fitted = Selection {
+        range: Some(times),
+        ..identify
+    };
+    let common = identify.overlap(&fitted).map(|times| Selection {
+        range: Some(times),
+        ..identify
+    });
+    let both = common.and_then(|common| test.unwrap_or(fitted).overlap(&common));
+    if let Some(both) = both {
+        let message = format!(
+            "has the samples of `recording`, so that `test` {}; give a recording of another run, or parts that are apart",
+            not_apart(wire, both)
+        );
+        findings.push(at, message);
+    }
+}
+
+fn not_apart(wire: &v1::MotionFitRequest, (begin, end): (f64, f64)) -> String {
     let fitted = match &wire.identify {
         Some(range) => format!("{} to {} s are fitted", range.begin_s, range.end_s),
         None => "all of the recording is fitted, as `identify` is not given".to_owned(),
     };
-    let message = format!(
+    format!(
         "must be apart from the part that is fitted: {fitted}, and {begin} to {end} s are in both; what was fitted foretells nothing"
-    );
-    findings.push(at, message);
+    )
 }
 
 /// Reads a recording: joints in model order.
