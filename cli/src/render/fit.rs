@@ -198,6 +198,41 @@ pub(crate) fn missing(what: &str, missing: &v1::NotExcited, colour: bool) -> Str
     out
 }
 
+/// What a commit changes of bodies and rotors, for a person: of a body the mass, with which the rest of it goes.
+pub(crate) fn changes(estimates: &[v1::ParameterEstimate], robot: &v1::Robot, terminal: Terminal) -> String {
+    let is_listed = |parameter: &Parameter| match parameter {
+        Parameter::Joint(one) => matches!(one.kind(), Kind::Mass | Kind::Armature),
+        Parameter::Payload(number) => *number == v1::PayloadParameter::PayloadMass as i32,
+    };
+    let mut table = Table::new(["of", "what", "was", "becomes", "unit"]).numbers_from(2);
+    for one in estimates {
+        let parameter = one.parameter.as_ref();
+        let listed = parameter
+            .and_then(|parameter| parameter.parameter.as_ref())
+            .is_some_and(is_listed);
+        let (was, becomes) = (number(one.described, 4), number(one.value, 4));
+        if !listed || was == becomes {
+            continue;
+        }
+        let (of, what, unit) = named(parameter, robot);
+        table.row([
+            Cell::from(of),
+            Cell::from(what),
+            Cell::from(was),
+            Cell::from(becomes),
+            Cell::new(unit, Tone::Dim),
+        ]);
+    }
+    if table.is_empty() {
+        return String::new();
+    }
+    format!(
+        "\n{}first moments and inertias of these bodies change too: takt robot show {} --description\n",
+        table.render_for(terminal),
+        robot.robot_id
+    )
+}
+
 fn named(parameter: Option<&v1::FitParameter>, robot: &v1::Robot) -> (String, String, String) {
     match parameter.and_then(|parameter| parameter.parameter.clone()) {
         Some(Parameter::Joint(one)) => {

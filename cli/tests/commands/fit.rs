@@ -29,6 +29,19 @@ fn a_recording_is_fitted_and_compared() {
     let json = call(&server, &[&line[..], &["--json"]].concat(), &log);
     let done = call(&server, &["drive", "commit", "arm", "-"], &json.output);
     assert_eq!(done.code, exit::OK, "{}", done.errors);
+    assert!(!done.output.contains("bodies"), "{}", done.output);
+}
+
+#[test]
+fn what_a_fit_changes_of_rotors_is_listed_by_the_commit() {
+    let server = arm();
+    let line = ["drive", "fit", "arm", "-", "--scope", "rotors", "--json"];
+    let json = call(&server, &line, &log(9000));
+    let done = call(&server, &["drive", "commit", "arm", "-"], &json.output);
+    assert_eq!(done.code, exit::OK, "{}", done.errors);
+    for part in ["rotor, reflected", "becomes", "robot show arm --description"] {
+        assert!(done.output.contains(part), "{part}: {}", done.output);
+    }
 }
 
 #[test]

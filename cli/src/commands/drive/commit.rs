@@ -4,7 +4,14 @@ use clap::Args;
 use serde::Deserialize;
 use takt_client::{Client, Code, v1};
 
-use crate::{commands::context, exit, failure::Failure, files, io::Io, render::friction};
+use crate::{
+    commands::context,
+    exit,
+    failure::Failure,
+    files,
+    io::Io,
+    render::{fit, friction},
+};
 
 /// Registers what an estimate or a fit proposes as a new revision of the robot.
 #[derive(Debug, Args)]
@@ -18,7 +25,7 @@ Examples:
 
 The new revision says where it comes from (`takt robot show ROBOT --description`, under `origin`), and plans use its
 friction from then on; plans that name the old revision do not change. What every coefficient was and becomes is listed, of both
-sides of the gear together. The same answer a second time changes nothing and says so. A robot that has been changed since the estimate
+sides of the gear together, and the masses and rotors that a fit changes. The same answer a second time, with the same note, changes nothing and says so. A robot that has been changed since the estimate
 began is not touched: estimate again on what is there now, or see `takt robot show ROBOT --revisions`.")]
 pub(crate) struct CommitArgs {
     /// The robot.
@@ -44,15 +51,18 @@ struct Answer {
     #[serde(default)]
     warnings: Vec<String>,
     /// Of a fit, by its kind.
-    motion: Option<Warned>,
-    constant_speed: Option<Warned>,
+    motion: Option<Fit>,
+    constant_speed: Option<Fit>,
 }
 
-/// The warnings of a fit.
+/// What is read of a fit.
 #[derive(Deserialize)]
-struct Warned {
+struct Fit {
     #[serde(default)]
     warnings: Vec<String>,
+    /// Of a fit to a motion.
+    #[serde(default)]
+    estimates: Vec<v1::ParameterEstimate>,
 }
 
 impl Answer {
@@ -124,6 +134,8 @@ pub(super) async fn run(args: CommitArgs, client: &Client, io: &mut Io) -> Resul
     );
     io.print(&text)?;
     io.print(&friction::changes(&proposal.friction, &robot, io.terminal))?;
+    let estimates = answer.motion.map(|fit| fit.estimates).unwrap_or_default();
+    io.print(&fit::changes(&estimates, &robot, io.terminal))?;
     Ok(exit::OK)
 }
 
